@@ -119,10 +119,8 @@ def test_the_amplitude_is_that_of_P32_and_so_are_its_multipliers(shared: ModuleT
     for i, (c, Omega, F) in enumerate(random_walls(shared, 5, 20, (0.05, 0.9))):
         p = wall(F, Omega, c)
         motion = shared.Symmetric(F, Omega, c)
-        if i < 2:
-            digits, tolerance = (30, 1e-25)
-        else:
-            digits, tolerance = (None, 1e-12)
+        digits = 30 if i < 2 else None
+        tolerance = 1e-25 if i < 2 else 1e-12
         orbit = find_orbit(p, "P32", digits=digits)
         assert orbit.admissible, (c, Omega, F)
         highest = max(x for _, x in orbit.points)
@@ -249,7 +247,8 @@ def test_stops_known_from_elsewhere_also_by_another_solver(
                 return side * y[1]
             return 1.0
 
-        stopped.terminal, stopped.direction = True, -1
+        stopped.terminal = True
+        stopped.direction = -1
         slide = solve_ivp(
             right,
             (slip.t, slip.t + 30),

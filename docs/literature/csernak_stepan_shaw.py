@@ -1,7 +1,8 @@
 """G. Csernak, G. Stepan and S. W. Shaw, Nonlinear Dynamics 50 (2007) 93-109: continua for c = 0.
 
-At Omega = 1/(2 n) a free motion with the middle d may be added to the symmetric motion without stops,
-up to |d| = d*: `symosc derive undamped` proves it, and gives d*. Only the abstract was at hand.
+At Omega = 1/(2 n) the symmetric motion without stops plus a free motion with the middle d is a
+motion too, up to |d| = d*: `symosc derive undamped` proves it, and derives d*. Only the abstract was
+at hand.
 """
 
 from __future__ import annotations

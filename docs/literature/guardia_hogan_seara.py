@@ -1,9 +1,9 @@
 """M. Guardia, S. J. Hogan and T. M. Seara, SIAM J. Appl. Dyn. Syst. 9 (2010) 769-798, and
 P. Kowalczyk and P. T. Piiroinen, Physica D 237 (2008) 1053-1073: points where borders meet.
 
-For c = 0 they are A_n, F/P = 1/(4 n^2 - 1) at Omega = 1/(2 n), and B_n, F = 0 at Omega = 1/(2 n + 1):
-`symosc derive undamped` proves it. With damping A_1 becomes a point where the mass turns at a peak of
-the drive and begins to stick. The text of both papers was not at hand.
+For c = 0 they are A_n, F/P = 1/(4 n^2 - 1) at Omega = 1/(2 n), and B_n, F = 0 at
+Omega = 1/(2 n + 1): `symosc derive undamped` proves it. With damping A_1 becomes a point where the
+mass turns at a peak of the drive and begins to stick. The text of both papers was not at hand.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
 """H.-K. Hong and C.-S. Liu, J. Sound Vib. 229 (2000) 1171-1192: stops per cycle for c = 0.
 
 The abstract names the counts 0, 1, 2, 4, ..., 14; the map of borders was not at hand. At a border a
-slide comes to rest on its way for a moment ("graze": v = x'' = 0, a stop without length is born), or
-a stop lasts until the drive just reaches what would move the mass ("birth" of a slide, at x = F - 1).
+slide comes to rest for a moment on its way ("graze": v = x'' = 0, a stop without length appears),
+or a stop lasts until the drive just reaches what would move the mass ("birth" of a slide, at
+x = F - 1).
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ def solve_border(Omega: str, border: Border) -> Any:
 
 
 def candidates(runs: list[Any], F: float) -> Iterator[tuple[float, str, int, float]]:
-    """Yield what may happen next on simulated slides: distance, kind, slide, time since its start."""
+    """Yield what may happen next on simulated slides: distance, kind, slide, time on it."""
     for j, (_, _, (slip, stick, path)) in enumerate(runs):
         yield abs(stick.x - F + 1), "birth", j, 0.0
         times = np.linspace(slip.t, stick.t, 2001)[20:-20]

@@ -1,8 +1,8 @@
 """Z. Iklodi and Z. Dombovari, Nonlinear Dynamics (2024), doi:10.1007/s11071-024-10188-8.
 
 The ends of the branch of motions without stops with the parameters of their demo, c = 0.1, P = 1.5,
-F = 1. The demo has static friction 1.1 times the kinetic one, and prints no numbers: with it the mass
-would also stop for Omega in [0.7227, 0.7487] and in [1.2062, 1.2357].
+F = 1. The demo has static friction 1.1 times the kinetic one, and prints no numbers. With that
+friction the mass would also stop for Omega in [0.7227, 0.7487] and in [1.2062, 1.2357].
 """
 
 from __future__ import annotations

@@ -1,9 +1,10 @@
-"""L. Marino, A. Cicirello and D. A. Hills, Nonlinear Dynamics 98 (2019) 2595-2612, and L. Marino and
-A. Cicirello, Nonlinear Dynamics 99 (2020) 1781-1799: base and wall in joint motion.
+"""L. Marino, A. Cicirello and D. A. Hills, Nonlinear Dynamics 98 (2019) 2595-2612, and L. Marino
+and A. Cicirello, Nonlinear Dynamics 99 (2020) 1781-1799: base and wall in joint motion.
 
 Base and wall move with cos(Omega t). The motion relative to them is the one of this folder with
-P = Omega^2. Beyond a frequency ratio r friction makes the absolute motion larger than 1/(r^2 - 1), its
-amplitude without friction; for weak friction that ratio is sqrt(2). Only the abstracts were at hand.
+P = Omega^2. Beyond a frequency ratio r, friction makes the absolute motion larger than
+1/(r^2 - 1), its amplitude without friction; for weak friction that ratio is sqrt(2). Only the
+abstracts were at hand.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ def number(value: Any) -> Any:
 
 
 class Free(NamedTuple):
-    """The solutions of x'' + c x' + x = 0 at a time: E1 from (x, v) = (0, 1), and its derivative E0."""
+    """The solution E1 of x'' + c x' + x = 0 from (x, v) = (0, 1) at a time, and its derivative E0."""
 
     c: Any
     E0: Any

@@ -21,7 +21,7 @@ def real_array(name: str, value: object, allowed: str) -> np.ndarray:
         else:
             entries = np.asarray(value, dtype=object).ravel().tolist()
         if array.dtype.kind not in "iufO" or any(
-            isinstance(each, bool | np.bool_ | str | bytes) for each in entries
+            isinstance(entry, bool | np.bool_ | str | bytes) for entry in entries
         ):
             raise TypeError  # numpy and float() would read text and booleans as numbers
         array = array.astype(float)

@@ -21,7 +21,7 @@ PHASE_FORMS = (
     "give a number, or a rational multiple of pi such as 'pi', '3*pi/2' or '-pi/4' "
     "(a rational number may be added)"
 )
-ANGLE_FORMS = f"{NUMBER_FORMS}, or a multiple of pi such as '3*pi/2'"
+ANGLE_FORMS = f"{NUMBER_FORMS}, or a real constant such as sympy.pi or '3*pi/2'"
 
 
 def has_pi(text: object) -> TypeGuard[str]:

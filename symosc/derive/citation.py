@@ -41,7 +41,7 @@ def paper_reference(title: str = "{}", space: str = " ", dash: str = "\N{EN DASH
     `title` formats its title, `space` and `dash` replace ~ and --.
     """
     line = reference_line("chen2016").removesuffix(".").replace("~", space).replace("--", dash)
-    return re.sub(r"\\emph\{(.*)\}", lambda found: title.format(found[1]), line)
+    return re.sub(r"\\emph\{(.*)\}", lambda match: title.format(match[1]), line)
 
 
 class Reference(NamedTuple):
@@ -55,8 +55,8 @@ class Reference(NamedTuple):
 @cache
 def entries() -> dict[str, Reference]:
     """Return all references by their keys."""
-    found = _ENTRY.findall(references_bib())
-    return {key: Reference(kind, key, dict(_FIELD.findall(body))) for kind, key, body in found}
+    matches = _ENTRY.findall(references_bib())
+    return {key: Reference(kind, key, dict(_FIELD.findall(body))) for kind, key, body in matches}
 
 
 def cited(text: str) -> list[str]:
@@ -100,11 +100,11 @@ def _authors_text(text: str) -> str:
         return text.strip("{}")
     people = []
     for person in text.split(" and "):
-        family, _, given = person.partition(", ")
-        names = (part.split("-") for part in given.split(" "))
+        family, _, forenames = person.partition(", ")
+        names = (part.split("-") for part in forenames.split(" "))
         initials = "~".join(
-            "-".join(each if each.endswith(".") else f"{each[0]}." for each in part)
-            for part in names
+            "-".join(part if part.endswith(".") else f"{part[0]}." for part in parts)
+            for parts in names
         )
         people.append(f"{initials}~{family}")
     if len(people) == 1:

@@ -25,7 +25,7 @@ from symosc.derive import front
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.citation import CITATION, cited, plain_line, reference_list, references_bib
 from symosc.derive.figures import figure, svg
-from symosc.derive.latex import LINE_WIDTH, latex, lines, width
+from symosc.derive.latex import LINE_WIDTH, lines, width
 from symosc.derive.mathml import font_style, formula, words
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
@@ -39,6 +39,7 @@ from symosc.derive.steps import (
     flat,
     steps_of,
 )
+from symosc.symbolic.latex import latex
 
 ToHtml = Callable[[str], str]
 #: Called with a chapter, how many of its steps have been checked, and how many it has.
@@ -192,9 +193,9 @@ def untied(text: str, statements: Iterable[Step]) -> list[str]:
     """Return the numbers in a text's formulas that are in none of the statements that belong to it."""
     known = {
         Fraction(number[0])
-        for each in statements
-        for side in (each.left, each.right)
-        for number in numbers_in(f"${latex(side, each.decimals)}$")
+        for statement in statements
+        for side in (statement.left, statement.right)
+        for number in numbers_in(f"${latex(side, statement.decimals)}$")
     }
     return [number[0] for number in numbers_in(text) if Fraction(number[0]) not in known]
 
@@ -223,18 +224,18 @@ def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
 
     }.
     """
-    found = {}
+    numbers = {}
     for chapter in chapters:
-        found[f"sec:{chapter.key}"] = str(chapter.number)
-        found |= {part.label: part.number for part in chapter.parts if part.label}
-    return found
+        numbers[f"sec:{chapter.key}"] = str(chapter.number)
+        numbers |= {part.label: part.number for part in chapter.parts if part.label}
+    return numbers
 
 
 @cache
 def stored_numbers() -> dict[str, str]:
     """Return the numbers of all labels in the whole book, as stored when it was last printed."""
-    found: dict[str, str] = json.loads(NUMBERS_FILE.read_text(encoding="utf-8"))
-    return found
+    numbers: dict[str, str] = json.loads(NUMBERS_FILE.read_text(encoding="utf-8"))
+    return numbers
 
 
 def _elsewhere(word: str | None, command: str, label: str) -> str:
@@ -264,12 +265,12 @@ def resolved(
     become what it returns.
     """
 
-    def replace(found: re.Match[str]) -> str:
-        word, command, label = found.groups()
+    def replace(match: re.Match[str]) -> str:
+        word, command, label = match.groups()
         if label not in numbers:
             return _elsewhere(word, command, label)
         if link is None:
-            return found[0]
+            return match[0]
         if command == "eqref":
             shown = f"({numbers[label]})"
         else:
@@ -289,11 +290,11 @@ def shown(step: Step, scope: Scope) -> Step:
 
 def _rows(display: list[Part], scope: Scope) -> Iterator[tuple[Part, list[str]]]:
     """Yield each step of a display with its LaTeX rows, of which the first is `left &= right`."""
-    decimals = bool(scope.values) or any(each.item.decimals for each in display)
-    statements = [shown(each.item, scope) for each in display]
+    decimals = bool(scope.values) or any(part.item.decimals for part in display)
+    statements = [shown(part.item, scope) for part in display]
     left = max(width(latex(statement.left, decimals)) for statement in statements)
-    for each, statement in zip(display, statements, strict=True):
-        yield each, lines(statement, decimals, left)
+    for part, statement in zip(display, statements, strict=True):
+        yield part, lines(statement, decimals, left)
 
 
 def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
@@ -302,15 +303,15 @@ def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
     `end` gives the last text in a step's row, such as a label.
     """
     body = []
-    for each, (*above, last) in _rows(display, scope):
-        if note := each.item.note:
+    for part, (*above, last) in _rows(display, scope):
+        if note := part.item.note:
             letters = len(re.sub(r"\\[a-zA-Z]+|\\.|[{}$^_ ]", "", note)) + 2 * note.count(" ")
             if width(last) + 0.7 * letters < LINE_WIDTH - 4:
                 last += rf" \quad\text{{{note}}}"
             else:
                 above = [*above, last]
                 last = rf"&\quad \text{{{note}}}"
-        body += [*(rf"{line} \notag" for line in above), f"{last} {end(each)}"]
+        body += [*(rf"{line} \notag" for line in above), f"{last} {end(part)}"]
     return "\\begin{align}\n" + " \\\\\n".join(body) + "\n\\end{align}"
 
 
@@ -339,7 +340,7 @@ def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = No
 def _piece_latex(part: Part | list[Part], scope: Scope) -> str:
     """Return a part of a chapter as LaTeX."""
     if isinstance(part, list):
-        return align(part, scope, lambda each: rf"\markit{{{each.marks}}}\label{{{each.label}}}")
+        return align(part, scope, lambda step: rf"\markit{{{step.marks}}}\label{{{step.label}}}")
     item = part.item
     if part.steps:
         mark = rf"\checkedby{{{part.marks}}}"
@@ -414,8 +415,8 @@ def as_page(chapters: list[Checked], scope: Scope) -> str:
     html = _converter(numbers)
     title = html(front.TITLE)
     contents = "".join(
-        f'<li value="{each.number}"><a href="#sec-{each.number}">{html(each.title)}</a></li>'
-        for each in chapters
+        f'<li value="{chapter.number}"><a href="#sec-{chapter.number}">{html(chapter.title)}</a></li>'
+        for chapter in chapters
     )
     opening = [front.ABSTRACT, front.LEGEND, front.how_to_cite(), front.scene_numbers(scope)]
     opening += [front.ALONE] * (len(chapters) == 1)
@@ -429,9 +430,9 @@ def as_page(chapters: list[Checked], scope: Scope) -> str:
     ]
     if len(chapters) > 1:
         out.append(f'<h2 id="notation">Notation</h2>\n{_table(front.HEADS, front.NOTATION, html)}')
-    for each in chapters:
-        out.append(f'<h2 id="sec-{each.number}">{each.number}. {html(each.title)}</h2>')
-        out.append(as_html(each, scope, numbers, 3))
+    for chapter in chapters:
+        out.append(f'<h2 id="sec-{chapter.number}">{chapter.number}. {html(chapter.title)}</h2>')
+        out.append(as_html(chapter, scope, numbers, 3))
     references = cited("".join(opening) + _texts(chapters))
     items = "".join(f'<li id="ref-{key}">{words(plain_line(key))}</li>' for key in references)
     return "\n".join([*out, f"<h2>References</h2><ul>{items}</ul>", "</body></html>"]) + "\n"
@@ -502,7 +503,7 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
     def html(text: str) -> str:
         text = resolved(text, numbers, link)
         return words(
-            CITATION.sub(lambda found: f"[{found[2]}{', ' + found[1] if found[1] else ''}]", text)
+            CITATION.sub(lambda match: f"[{match[2]}{', ' + match[1] if match[1] else ''}]", text)
         )
 
     return html
@@ -510,20 +511,20 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
 
 def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
     body = list[str]()
-    for each, printed in _rows(display, scope):
+    for part, printed in _rows(display, scope):
         *above, last = (
             [formula(side, display=True) if side else "" for side in line.split("&")]
             for line in printed
         )
         body += [f"<tr><td>{left}</td><td>{right}</td><td></td></tr>" for left, right in above]
         # Only the last line of a step has its note and its number.
-        if each.item.note:
-            remark = f' <span class="remark">{html(each.item.note)}</span>'
+        if part.item.note:
+            remark = f' <span class="remark">{html(part.item.note)}</span>'
         else:
             remark = ""
-        label = f'<td title="{each.steps[0][1].kind}">({each.number}&nbsp;{each.marks})</td>'
+        label = f'<td title="{part.steps[0][1].kind}">({part.number}&nbsp;{part.marks})</td>'
         body.append(
-            f'<tr id="step-{each.number}"><td>{last[0]}</td><td>{last[1]}{remark}</td>{label}</tr>'
+            f'<tr id="step-{part.number}"><td>{last[0]}</td><td>{last[1]}{remark}</td>{label}</tr>'
         )
     return '<div class="wide"><table class="steps">\n' + "\n".join(body) + "\n</table></div>"
 
@@ -565,7 +566,8 @@ def write_document(
     target = make_folder(folder / CHAPTER_FOLDER)
     paths = [write_text(folder / MAIN, main_document(chapters, scope))]
     paths += [
-        write_text(target / f"{each.key}.tex", as_latex(each, scope, numbers)) for each in chapters
+        write_text(target / f"{chapter.key}.tex", as_latex(chapter, scope, numbers))
+        for chapter in chapters
     ]
     paths.append(write_text(folder / BIBTEX, references_bib()))
     items = [part.item for chapter in chapters for part in chapter.parts]
@@ -634,7 +636,7 @@ def complaints_of(log: str) -> list[str]:
         return box is not None and float(box[1]) > 5
 
     return [
-        each.strip()
-        for each in log.splitlines()
-        if each[:1] == "!" or "Warning" in each or overfull(each)
+        line.strip()
+        for line in log.splitlines()
+        if line[:1] == "!" or "Warning" in line or overfull(line)
     ]

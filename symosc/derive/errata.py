@@ -48,7 +48,7 @@ def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
 
     RecordsError if the file is incomplete.
     """
-    found = []
+    errata = []
     needed = {"severity", *TEXTS}
     for number, (name, row) in enumerate(read_toml(path).items(), 1):
         where = f"{path.name}, {name}"
@@ -61,8 +61,8 @@ def read_errata(path: Path = ERRATA_FILE) -> tuple[Erratum, ...]:
             if not isinstance(value, str) or not value.strip():
                 raise RecordsError(where, f"{key} = {value!r}: must be text")
         one_of(where, "severity", row["severity"], SEVERITIES)
-        found.append(Erratum(number, name, **{key: one_line(value) for key, value in row.items()}))
-    return tuple(found)
+        errata.append(Erratum(number, name, **{key: one_line(value) for key, value in row.items()}))
+    return tuple(errata)
 
 
 class RecordsError(SymoscError, ValueError):
@@ -137,8 +137,8 @@ def latex_to_unicode(text: str) -> str:
 def _unicode(text: str) -> str:
     """Return a LaTeX formula (without dollars) as Unicode."""
 
-    def plain(found: re.Match[str]) -> str:
-        sign, group, single, command, space = found.groups()
+    def plain(match: re.Match[str]) -> str:
+        sign, group, single, command, space = match.groups()
         if sign == r"\sqrt":
             root = _unicode(group or single)
             if root.isalnum():
@@ -152,12 +152,12 @@ def _unicode(text: str) -> str:
             return _SIGNS[command] + (space or "")
         if command and command not in _LETTERS:
             raise ValueError(f"{text!r}: \\{command} is unknown")
-        if found[0] in ("_", "^"):
-            raise ValueError(f"{text!r}: ends with {found[0]}")
+        if match[0] in ("_", "^"):
+            raise ValueError(f"{text!r}: ends with {match[0]}")
         # A space behind a letter ends its command only.
         if command:
             return _LETTERS[command]
-        return {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(found[0], found[0])
+        return {"-": "−", r"\,": " ", r"\ ": " ", "~": " "}.get(match[0], match[0])
 
     for latex, letter in _ACCENTS.items():
         text = text.replace(latex, letter)

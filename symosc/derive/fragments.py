@@ -20,7 +20,6 @@ from symosc.base.errors import ParameterError
 from symosc.base.exact import show
 from symosc.derive.chapters import domains, grazing, jacobians, motion, sticks, switching
 from symosc.derive.document import Checked, Part, align, cell, check
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, F, FragmentScope
 from symosc.derive.steps import (
     Items,
@@ -38,6 +37,7 @@ from symosc.derive.steps import (
 from symosc.friction import MAPS, NEIGHBOURS
 from symosc.kernels.theorem7_cases import PLACES
 from symosc.symbolic import maps, solution, theorem7
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import (
     B0,
     BASIS,
@@ -64,10 +64,9 @@ POSITION = named(r"x(\tau)")
 VELOCITY = named(r"\dot{x}(\tau)")
 BASIS_TEXT = (
     r"Here $E_1(\tau)$ is the response of $\ddot{y} + (c/m)\dot{y} + (k/m)y$ to an impulse: the "
-    r"solution of the "
-    r"unforced equation with $E_1(0) = 0$ and $\dot{E}_1(0) = 1$; further $E_0 = \dot{E}_1$, "
-    r"$E_2(\tau) = \int_0^\tau E_1(u)\,du$ and "
-    r"$R_2(\tau) + i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - u)}\,du$"
+    r"solution of the unforced equation with $E_1(0) = 0$ and $\dot{E}_1(0) = 1$; further $E_0 = "
+    r"\dot{E}_1$, $E_2(\tau) = \int_0^\tau E_1(u)\,du$ and $R_2(\tau) + i I_2(\tau) = \int_0^\tau "
+    r"E_1(u)\, e^{i\Omega(\tau - u)}\,du$"
 )
 
 
@@ -88,14 +87,14 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
     """
     numbers = scope.given()
     if numbers:
-        given = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."]
+        sentence = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."]
     else:
-        given = []
-    fragment = check(name, FRAGMENTS[name].title, flat([given, FRAGMENTS[name].items(scope)]))
-    for each, _ in fragment.steps():
-        right = scope.shown(each.right)
+        sentence = []
+    fragment = check(name, FRAGMENTS[name].title, flat([sentence, FRAGMENTS[name].items(scope)]))
+    for statement, _ in fragment.steps():
+        right = scope.shown(statement.right)
         if isinstance(right, sp.Expr) and right.has(sp.zoo, sp.nan, sp.oo):
-            raise StepError(str(each), "divides by 0 with these numbers")
+            raise StepError(str(statement), "divides by 0 with these numbers")
     return fragment
 
 
@@ -136,12 +135,12 @@ def as_latex(
         "printed.\n"
     ]
 
-    def end(each: Part) -> str:
-        if each.item.label in tags:
-            tag = rf"\tag{{{tags[each.item.label]}}} "
+    def end(part: Part) -> str:
+        if part.item.label in tags:
+            tag = rf"\tag{{{tags[part.item.label]}}} "
         else:
             tag = ""
-        return rf"{tag}\label{{{first}{each.label.removeprefix('eq:')}}}"
+        return rf"{tag}\label{{{first}{part.label.removeprefix('eq:')}}}"
 
     for part in fragment.displays():
         if isinstance(part, list):
@@ -176,7 +175,7 @@ def _table(table: Table, scope: FragmentScope, tags: dict[str, str]) -> str:
 def _relabelled(items: Items, label: str) -> list[Step]:
     """Return the steps among some items of a chapter, relabelled as `label` followed by 1, 2, ..."""
     steps = [item for item in flat(items) if isinstance(item, Step)]
-    return [replace(each, label=f"{label}{n}") for n, each in enumerate(steps, 1)]
+    return [replace(step, label=f"{label}{n}") for n, step in enumerate(steps, 1)]
 
 
 def _constant(alpha: int) -> Step:
@@ -197,16 +196,12 @@ def _acceleration() -> list[Step]:
 def _friction(scope: FragmentScope) -> Items:
     return (
         r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and "
-        r"pressed with the force "
-        r"$F_N$ between two belts with the speeds $v_1 < v_2$ and the friction coefficients "
-        r"$\mu_1$ and $\mu_2$. With "
-        r"$\operatorname{Sgn}(s) = \operatorname{sgn}(s)$ for $s \ne 0$ and "
-        r"$\operatorname{Sgn}(0) = [-1, 1]$, "
-        r"$m\ddot{x} + c\dot{x} + k x - A_0 - B_0\cos\Omega t \in -\mu_1 "
-        r"F_N\operatorname{Sgn}(\dot{x} - v_1) - \mu_2 "
-        r"F_N\operatorname{Sgn}(\dot{x} - v_2)$. In the domains $\Omega_1$ ($\dot{x} < v_1$), "
-        r"$\Omega_2$ "
-        r"($v_1 < \dot{x} < v_2$) and $\Omega_3$ ($\dot{x} > v_2$)",
+        r"pressed with the force $F_N$ between two belts with the speeds $v_1 < v_2$ and the "
+        r"friction coefficients $\mu_1$ and $\mu_2$. With $\operatorname{Sgn}(s) = "
+        r"\operatorname{sgn}(s)$ for $s \ne 0$ and $\operatorname{Sgn}(0) = [-1, 1]$, $m\ddot{x} + "
+        r"c\dot{x} + k x - A_0 - B_0\cos\Omega t \in -\mu_1 F_N\operatorname{Sgn}(\dot{x} - v_1) - "
+        r"\mu_2 F_N\operatorname{Sgn}(\dot{x} - v_2)$. In the domains $\Omega_1$ ($\dot{x} < "
+        r"v_1$), $\Omega_2$ ($v_1 < \dot{x} < v_2$) and $\Omega_3$ ($\dot{x} > v_2$)",
         "the acceleration is",
         _acceleration(),
     )
@@ -215,22 +210,19 @@ def _friction(scope: FragmentScope) -> Items:
 def _flow(scope: FragmentScope) -> Items:
     return (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from "
-        r"$(x_i, \dot{x}_i)$ at "
-        r"the time $t_i$ with the phase $\theta_i = \Omega t_i$, at $\tau = t - t_i$ later.",
+        r"$(x_i, \dot{x}_i)$ at the time $t_i$ with the phase $\theta_i = \Omega t_i$, at $\tau = "
+        r"t - t_i$ later.",
         _motion(scope),
     )
 
 
 def _stick(scope: FragmentScope) -> Items:
     return (
-        r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. "
-        r"The stick lasts as long "
-        r"as $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$, where $m F^{(\alpha)}$ is what all "
-        r"forces would sum up to if "
-        r"friction were that of the domain below ($\alpha = \lambda$) or above ($\alpha = "
-        r"\lambda + 1$) the belt's "
-        r"speed. It ends where the first of the two changes its sign, and the mass slips into "
-        r"that domain. On belt 1",
+        r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. The "
+        r"stick lasts as long as $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$, where $m F^{(\alpha)}$ "
+        r"is what all forces would sum up to if friction were that of the domain below ($\alpha = "
+        r"\lambda$) or above ($\alpha = \lambda + 1$) the belt's speed. It ends where the first of "
+        r"the two changes its sign, and the mass slips into that domain. On belt 1",
         [sticks.force(1, alpha, f"belt1-F{alpha}") for alpha in (1, 2)],
         "and on belt 2",
         [sticks.force(2, alpha, f"belt2-F{alpha}") for alpha in (2, 3)],
@@ -242,8 +234,8 @@ def _stick(scope: FragmentScope) -> Items:
 def _g_functions(scope: FragmentScope) -> Items:
     return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are "
-        r"the derivatives of the "
-        r"acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ is the phase:",
+        r"the derivatives of the acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ "
+        r"is the phase:",
         _relabelled(switching.g_functions(), "G"),
     )
 
@@ -267,15 +259,16 @@ AT_BOUNDARY = {
 
 def _theorem(name: str, scope: FragmentScope) -> Items:
     """Return the fragment of Theorem 4, 5 or 6."""
+    rate: Items = ()
+    if name == "theorem6":
+        rate = (r"With the phase $\theta = \Omega t$", switching.at_belt("G1"))
     return (
         r"At the boundary $\dot{x} = v_\lambda$ between $\Omega_\lambda$ below and "
         r"$\Omega_{\lambda+1}$ above it, "
         rf"{AT_BOUNDARY[name]}.",
         r"Here the acceleration in $\Omega_\alpha$ is",
         _acceleration(),
-        (r"With the phase $\theta = \Omega t$", switching.at_belt("G1"))
-        if name == "theorem6"
-        else (),
+        rate,
     )
 
 
@@ -284,28 +277,23 @@ def _theorem7(scope: FragmentScope) -> Items:
     table = grazing.windows_table("theorem7")
     windows = list(_windows_in_numbers(scope))
     contact = (
-        r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, "
-        r"the contact is at",
+        r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$ in $\Omega_\alpha$, the "
+        r"contact is at",
         place,
     )
     return (
         r"Let the flow of $\Omega_\alpha$ have $\dot{x} = v_\lambda$ and $\ddot{x} = 0$ at the "
-        r"time $t_m$, with the "
-        r"phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, \lambda) = (1, 1)$, "
-        r"$P_3$ $(2, 1)$, $P_5$ "
-        r"$(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ where the boundary is above the domain, "
-        r"and $\sigma = -1$ "
-        r"where it is below. With",
+        r"time $t_m$, with the phase $\theta_m = \Omega t_m$ modulo $2\pi$: $P_2$ has $(\alpha, "
+        r"\lambda) = (1, 1)$, $P_3$ $(2, 1)$, $P_5$ $(2, 2)$ and $P_6$ $(3, 2)$, with $\sigma = 1$ "
+        r"where the boundary is above the domain, and $\sigma = -1$ where it is below. With",
         letters,
         r"and $\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$, the flow grazes the boundary to first "
-        r"order iff $\theta_m$ "
-        r"is in the set below, for $a \ge 0$; for $a < 0$ the sets are those of $-a$, moved by "
-        r"$\pi$.",
+        r"order iff $\theta_m$ is in the set below, for $a \ge 0$; for $a < 0$ the sets are those "
+        r"of $-a$, moved by $\pi$.",
         Table(table.label, "The phases at which a contact grazes.", table.heads, table.rows),
-        r"A single point that is taken out, for $|\gamma| = a$, is a tangency of fourth order, "
-        r"at which the flow "
-        r"returns as well: to full order these two sets are the whole circle, and the others "
-        r"stay as they are.",
+        r"A single point that is taken out, for $|\gamma| = a$, is a tangency of fourth order, at "
+        r"which the flow returns as well: to full order these two sets are the whole circle, and "
+        r"the others stay as they are.",
         contact if dict(scope.values).get("k") != 0 else (),
         ("With the numbers of this paper", windows) if windows else (),
     )
@@ -313,18 +301,15 @@ def _theorem7(scope: FragmentScope) -> Items:
 
 def _saltation(scope: FragmentScope) -> Items:
     ratios = [
-        each for each in flat(jacobians.saltation()) if isinstance(each, Step) and each.op != "="
+        item for item in flat(jacobians.saltation()) if isinstance(item, Step) and item.op != "="
     ]
     return (
-        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ "
-        r"before and $F^{+} \ne 0$ "
-        r"after, a small change $(\delta x, \delta\dot{x})$ of its state is multiplied by the "
-        r"saltation matrix "
-        r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, where",
+        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-} \ne 0$ before "
+        r"and $F^{+} \ne 0$ after, a small change $(\delta x, \delta\dot{x})$ of its state is "
+        r"multiplied by the saltation matrix $S = \operatorname{diag}(1, F^{+}/F^{-})$, where",
         _relabelled(ratios, "ratio"),
         r"At the onset of a stick the matrix is $\operatorname{diag}(1, 0)$, at its end the "
-        r"identity. Between events "
-        r"it is multiplied by $\Phi(\tau)$ with the entries",
+        r"identity. Between events it is multiplied by $\Phi(\tau)$ with the entries",
         _relabelled(jacobians.perturbations(), "phi")[:4],
         BASIS_TEXT + ".",
     )
@@ -332,9 +317,9 @@ def _saltation(scope: FragmentScope) -> Items:
 
 def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
     """Yield the window of each mapping whose parameters are all given as numbers in the scope."""
-    given = {name for name, _ in scope.values}
+    known = {name for name, _ in scope.values}
     for mapping, place in PLACES.items():
-        if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
+        if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= known:
             gamma, amplitude = (
                 e.xreplace(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m)
             )
@@ -362,7 +347,8 @@ def _motion(scope: FragmentScope) -> Items:
     letters = {letter: domains.true_letters()[letter] for letter in regime.letters}
     labels = {letter: f"letter-{letter.name.replace('_', '')}" for letter in letters}
     steps = [
-        equation(each, regime.letters[each], true, labels[each]) for each, true in letters.items()
+        equation(letter, regime.letters[letter], true, labels[letter])
+        for letter, true in letters.items()
     ]
     if scope.form == "paper":
         form = domains.paper_form(regime)
@@ -371,12 +357,12 @@ def _motion(scope: FragmentScope) -> Items:
             equation(POSITION, form.x, form.check, "x"),
             equation(VELOCITY, form.v, form.x.diff(tau), "v"),
             "with",
-            [each for each in steps if each.left in form.x.free_symbols],
+            [step for step in steps if step.left in form.x.free_symbols],
             domains.constants(form),
         )
     at_start, x_step, v_step, _ = domains.flow()
     solved = flat(domains.solved_functions(generic_basis()))
-    others = [each for each in solved if isinstance(each, Step) and each.left != E2]
+    others = [item for item in solved if isinstance(item, Step) and item.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",
@@ -409,11 +395,10 @@ def _flight_map(label: str, scope: FragmentScope) -> Items:
         rf"The mapping $P_{label[1]}\colon {planes[0]} \to {planes[1]}$ leads from $(x_i, "
         r"\theta_i)$ on "
         rf"$\dot{{x}} = {latex(start)}$ through $\Omega_{row.domain}$ to $(x_{{i+1}}, "
-        rf"\theta_{{i+1}})$ on "
-        rf"$\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is the phase, and "
+        rf"\theta_{{i+1}})$ on $\dot{{x}} = {latex(end)}$; $\theta = \Omega t$ modulo $2\pi$ is "
+        rf"the phase, and "
         r"$\Sigma^{1}_{(\lambda)}$ and $\Sigma^{2}_{(\lambda)}$ are the points of motions below "
-        r"and above "
-        r"$\dot{x} = v_\lambda$. With the duration",
+        r"and above $\dot{x} = v_\lambda$. With the duration",
         equation(
             tau, (maps.theta_j - theta_i) / Omega, {maps.theta_j: theta_i + Omega * tau}, "tau"
         ),
@@ -453,10 +438,9 @@ def _stick_map(label: str, scope: FragmentScope) -> Items:
         ]
     return (
         rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = "
-        rf"v_{belt}$ of motions on "
-        rf"the belt, is a stick on belt {belt} from $(x_i, \theta_i)$ to "
-        r"$(x_{i+1}, \theta_{i+1})$, with the phase $\theta = \Omega t$ modulo $2\pi$ and "
-        r"$\tau = (\theta_{i+1} - \theta_i)/\Omega$. It solves $f_1 = f_2 = 0$ with",
+        rf"v_{belt}$ of motions on the belt, is a stick on belt {belt} from $(x_i, \theta_i)$ to "
+        r"$(x_{i+1}, \theta_{i+1})$, with the phase $\theta = \Omega t$ modulo $2\pi$ and $\tau = "
+        r"(\theta_{i+1} - \theta_i)/\Omega$. It solves $f_1 = f_2 = 0$ with",
         equation(f1, ride, x_i + sp.integrate(speed, (tau, 0, tau)) - maps.x_j, "f1"),
         exits,
         r"The first of the two ends counts.",

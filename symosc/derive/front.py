@@ -12,38 +12,28 @@ from symosc.derive.scope import Scope
 TITLE = "The double-belt friction oscillator: theory, proofs and errata"
 ABSTRACT = (
     r"A mass on a spring and a damper is driven periodically and pressed between two belts that "
-    r"run at different "
-    r"speeds. This supplement derives its motion from the balance of forces and the set-valued "
-    r"law of friction: the "
-    r"closed form in every regime of damping, what happens at a belt's speed, sticks and their "
-    r"two ends, the mappings "
-    r"between the switching planes and their derivatives, grazing with all of its cases, an "
-    r"event search that misses "
-    r"nothing, the one periodic motion that attracts, why there is no chaos, what motions do "
-    r"without a damper, "
+    r"run at different speeds. This supplement derives its motion from the balance of forces and "
+    r"the set-valued law of friction: the closed form in every regime of damping, what happens at "
+    r"a belt's speed, sticks and their two ends, the mappings between the switching planes and "
+    r"their derivatives, grazing with all of its cases, an event search that misses nothing, the "
+    r"one periodic motion that attracts, why there is no chaos, what motions do without a damper, "
     r"and where the word of a motion changes: the maps, the multipliers and all points of "
-    r"codimension two. "
-    r"It restates, proves and where needed corrects what is in the paper \cite{chen2016}: "
-    + paper_reference(r"\emph{{{}}}", "~", "--")
-    + "."
+    r"codimension two. It restates, proves and where needed corrects what is in the paper "
+    r"\cite{chen2016}: " + paper_reference(r"\emph{{{}}}", "~", "--") + "."
 )
 LEGEND = (
     "Each displayed formula was checked by machine before it was printed, and the letter behind "
     "its number says how: "
     r"\textsc{e}, exactly, by computer algebra; \textsc{s}, an inequality decided from the signs "
-    r"of its letters "
-    r"or from exact numbers; \textsc{n}, numerically with 50 digits, at the root that is meant "
-    r"or to the last printed "
-    r"decimal. The same letters, raised, stand behind sentences and captions whose facts were "
-    r"checked. "
-    r"Where the text says \emph{the paper}, it is \cite{chen2016}, and equation numbers with "
-    r"\emph{the paper's} are "
-    r"its numbers."
+    r"of its letters or from exact numbers; \textsc{n}, numerically with 50 digits, at the root "
+    r"that is meant or to the last printed decimal. The same letters, raised, stand behind "
+    r"sentences and captions whose facts were checked. Where the text says \emph{the paper}, it is "
+    r"\cite{chen2016}, and equation numbers with \emph{the paper's} are its numbers."
 )
 #: What a chapter that is printed alone says.
 ALONE = (
-    r"References to other chapters have their numbers in the whole supplement, "
-    r"\texttt{symosc derive all}."
+    r"References to other chapters have their numbers in the whole supplement, \texttt{symosc "
+    r"derive all}."
 )
 #: Only packages that LaTeX's smallest installations have. \markit before the end of a row sets the
 #: letter that stands behind its number. Tables and figures stay in their chapter: those that still
@@ -93,35 +83,46 @@ PREAMBLE = r"""\documentclass[11pt,a4paper]{article}
 HEADS = ("symbol", "meaning", "")
 _ROWS = r"""
 $m$, $c$, $k$ & mass, damping coefficient, stiffness of the spring & \eqref{eq:motion-newton} \\
-$A_0$, $B_0$, $\Omega$ & constant part, amplitude and frequency of the drive & \eqref{eq:motion-newton} \\
+$A_0$, $B_0$, $\Omega$ & constant part, amplitude and frequency of the drive &
+  \eqref{eq:motion-newton} \\
 $v_\lambda$, $\mu_\lambda$, $F_N$ & speed and friction coefficient of belt $\lambda$, normal force &
   Definition~\ref{thm:motion-coulomb} \\
-$x$, $\dot{x}$, $\ddot{x}$ & position, velocity and acceleration of the mass & \eqref{eq:motion-newton} \\
-$t$, $\theta$ & time, phase $\Omega t$ of the drive, modulo $2\pi$ & Definition~\ref{thm:maps-planes} \\
+$x$, $\dot{x}$, $\ddot{x}$ & position, velocity and acceleration of the mass &
+  \eqref{eq:motion-newton} \\
+$t$, $\theta$ & time, phase $\Omega t$ of the drive, modulo $2\pi$ &
+  Definition~\ref{thm:maps-planes} \\
 $\lambda$, $\lambda'$ & a belt, 1 or 2; the belt where a flight ends & Table~\ref{tab:maps-maps} \\
 $\alpha$ & a domain, 1, 2 or 3 & \eqref{eq:motion-domain} \\
 $T_\lambda$, $T$ & friction of belt $\lambda$ on the mass; of both & \eqref{eq:motion-newton} \\
-$\Omega_\alpha$, $\partial\Omega_{12}$ & domains and boundaries of the phase plane & Table~\ref{tab:motion-constants} \\
+$\Omega_\alpha$, $\partial\Omega_{12}$ & domains and boundaries of the phase plane &
+  Table~\ref{tab:motion-constants} \\
 $A_\alpha$ & constant part of all forces in a domain & Table~\ref{tab:motion-constants} \\
 $F^{(\alpha)}$ & acceleration in a domain & \eqref{eq:motion-acceleration} \\
-$F_{s\lambda}$ & all forces on a mass on belt $\lambda$ but that belt's friction & Proposition~\ref{thm:motion-held} \\
-$x_i$, $\dot{x}_i$, $\ddot{x}_i$, $t_i$, $\theta_i$ & state at the start of a flight or stick, or at a switching point
+$F_{s\lambda}$ & all forces on a mass on belt $\lambda$ but that belt's friction &
+  Proposition~\ref{thm:motion-held} \\
+$x_i$, $\dot{x}_i$, $\ddot{x}_i$, $t_i$, $\theta_i$ & state at the start of a flight or stick, or
+  at a switching point
   & Theorem~\ref{thm:domains-flow} \\
 $\tau$ & time since the start of a flight or stick & Definition~\ref{thm:domains-basis} \\
 $L$ & the operator $d^2/d\tau^2 + (c/m)\,d/d\tau + k/m$ & Definition~\ref{thm:domains-basis} \\
-$E_0$, $E_1$, $E_2$, $R_2$, $I_2$ & basis functions of all motions & Definition~\ref{thm:domains-basis} \\
+$E_0$, $E_1$, $E_2$, $R_2$, $I_2$ & basis functions of all motions &
+  Definition~\ref{thm:domains-basis} \\
 $\kappa$, $\Delta$ & $k/m - \Omega^2$, and $\kappa^2 + (c\Omega/m)^2$ & \eqref{eq:domains-kappa} \\
-$h$, $\omega_d$, $\eta$, $\omega_0$ & decay rate, damped frequency, overdamped rate, undamped frequency &
+$h$, $\omega_d$, $\eta$, $\omega_0$ & decay rate, damped frequency, overdamped rate, undamped
+  frequency &
   \eqref{eq:domains-h} \\
 $C_1$, $C_2$, $D_1$, $D_2$ & constants of the form that papers print & \eqref{eq:domains-paper} \\
-$G^{(j,\alpha)}$ & G-functions: derivatives of $F^{(\alpha)}$ along the flow & Definition~\ref{thm:switching-G} \\
-$\mathbf{x}^{(\alpha)}$, $\mathbf{x}^{(0)}$, $\mathbf{n}$, $D$ & flows of a domain and in a boundary, its normal, a
+$G^{(j,\alpha)}$ & G-functions: derivatives of $F^{(\alpha)}$ along the flow &
+  Definition~\ref{thm:switching-G} \\
+$\mathbf{x}^{(\alpha)}$, $\mathbf{x}^{(0)}$, $\mathbf{n}$, $D$ & flows of a domain and in a
+  boundary, its normal, a
   derivative along the latter & Definition~\ref{thm:switching-G} \\
 $\Sigma^0_{(\lambda)}$, $\Sigma^1_{(\lambda)}$, $\Sigma^2_{(\lambda)}$ & switching planes &
   Definition~\ref{thm:maps-planes} \\
 $P_1, \ldots, P_8$ & basic mappings & Table~\ref{tab:maps-maps} \\
 $f_1$, $f_2$ & governing equations of a mapping & Theorem~\ref{thm:maps-flight} \\
-$\Phi$, $\Psi_j$, $S$, $M$, $\rho_j$, $\mathcal{T}$ & matrices of a flight and a piece, saltation and monodromy matrix,
+$\Phi$, $\Psi_j$, $S$, $M$, $\rho_j$, $\mathcal{T}$ & matrices of a flight and a piece, saltation
+  and monodromy matrix,
   multipliers, period & Theorem~\ref{thm:jacobians-monodromy} \\
 $F^{-}$, $F^{+}$, $\delta$ & accelerations before and after a crossing, a small change &
   Theorem~\ref{thm:jacobians-saltation} \\
@@ -130,34 +131,46 @@ $\gamma$, $a$, $\Theta^{\mathrm{cr}}$ & $k v_\lambda/m$, $B_0\Omega/m$, critical
 $t_m$, $x_m$, $\theta_m$, $\sigma$ & time, position, phase of a contact, and its side &
   Definition~\ref{thm:grazing-graze} \\
 $g$ & gap $\dot{x} - v_\lambda$ & Lemma~\ref{thm:events-gap} \\
-$\varphi$, $q$, $w$, $u$, $V$, $V_0$, $C_4$, $p$ & helpers of the event search, each defined in its theorem &
+$\varphi$, $q$, $w$, $u$, $V$, $V_0$, $C_4$, $p$ & helpers of the event search, each defined in its
+  theorem &
   Chapter~\ref{sec:events} \\
 $F_*$, $N_E$ & largest sum of all forces but the spring's and the damper's; integral of $|E_1|$ &
   Proposition~\ref{thm:orbits-bound} \\
-$y$, $W$, $d$, $H_\lambda$, $\ell$ & difference of two motions, its energy, a distance, a constant force, a length &
+$y$, $W$, $d$, $H_\lambda$, $\ell$ & difference of two motions, its energy, a distance, a constant
+  force, a length &
   Theorem~\ref{thm:orbits-unique} \\
-$G^{(j)}$, $\Sigma^j$, $x^{(i)}$, $\partial\Omega_{ij}$, $\varphi_{ij}$ & in the list of errata, as in the paper: of
+$G^{(j)}$, $\Sigma^j$, $x^{(i)}$, $\partial\Omega_{ij}$, $\varphi_{ij}$ & in the list of errata, as
+  in the paper: of
   one domain or belt; a boundary and its equation & Chapter~\ref{sec:errata} \\
-$q$, $t_q$, $x_q$, $v_q$, $F_q$, $\delta x$, $\dot{F}$ & a parameter or part of the start; derivatives by it of an
-  event, a belt's speed, a force; of $x$ at a fixed time; rate of a force & Theorem~\ref{thm:exponents-events} \\
-$\Lambda_j$, $\Lambda_1$, $\Lambda_2$, $\chi_j$, $h_\epsilon$ & Lyapunov exponents, ratios of accelerations, entropy at
+$q$, $t_q$, $x_q$, $v_q$, $F_q$, $\delta x$, $\dot{F}$ & a parameter or part of the start;
+  derivatives by it of an
+  event, a belt's speed, a force; of $x$ at a fixed time; rate of a force &
+  Theorem~\ref{thm:exponents-events} \\
+$\Lambda_j$, $\Lambda_1$, $\Lambda_2$, $\chi_j$, $h_\epsilon$ & Lyapunov exponents, ratios of
+  accelerations, entropy at
   a scale & Theorem~\ref{thm:exponents-lyapunov} \\
 $A_n$, $B_n$ & points where borders meet & Proposition~\ref{thm:undamped-points} \\
-$F$, $x_f$, $x_0$, $p_0$, $q_0$, $d$ & with one belt at rest: friction, $F/k$, highest point, parts of
+$F$, $x_f$, $x_0$, $p_0$, $q_0$, $d$ & with one belt at rest: friction, $F/k$, highest point, parts
+  of
   the motion, a free oscillation & Proposition~\ref{thm:undamped-continuum} \\
 $\bar{x}$, $H$ & limit of a sequence of motions; a gap divided by a function without zeros &
   Chapters~\ref{sec:codimension} and~\ref{sec:certificates} \\
-$r$, $U$, $J$, $N$, $F_*$ & rate of the force on a belt, force from below, jump of the force; changes of belt, a bound
+$r$, $U$, $J$, $N$, $F_*$ & rate of the force on a belt, force from below, jump of the force;
+  changes of belt, a bound
   & Lemma~\ref{thm:accumulation-forces} \\
-$S$, $f$, $f^*$, $z$, $R$, $\psi$, $X_0$, $R_*$, $v_\pm$, $\mathcal{K}$, $P$, $E$, $Y$ & without a damper:
+$S$, $f$, $f^*$, $z$, $R$, $\psi$, $X_0$, $R_*$, $v_\pm$, $\mathcal{K}$, $P$, $E$, $Y$ & without a
+  damper:
   largest friction, friction, a free oscillation with its amplitude and phase, the response, bounds, all recurrent
   motions &
   Chapter~\ref{sec:undamped} \\
-$\epsilon$, $b$, $D$, $D_{11}$, $D_{12}$, $M_{11}$, $M_{21}$ & how far beyond a border, a rate there; matrix of a
+$\epsilon$, $b$, $D$, $D_{11}$, $D_{12}$, $M_{11}$, $M_{21}$ & how far beyond a border, a rate
+  there; matrix of a
   discontinuity map, entries & Theorem~\ref{thm:corrections-maps} \\
-$u$, $q$, $h$, $d$, $e$, $t_2$, $p$, $\epsilon_1$, $\epsilon_2$ & at points of codimension two: coordinates and rates
+$u$, $q$, $h$, $d$, $e$, $t_2$, $p$, $\epsilon_1$, $\epsilon_2$ & at points of codimension two:
+  coordinates and rates
   & Chapter~\ref{sec:codimension} \\
-$f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs by balls, each defined where it
+$f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs by balls, each
+  defined where it
   stands: maps, boxes and matrices, helpers, points, periods & Chapter~\ref{sec:certificates} \\
 """
 NOTATION = [
@@ -182,10 +195,10 @@ def how_to_cite() -> str:
     return (
         rf"symosc {symosc.__version__}, {SYMOSC['year']}. Cite as: {SYMOSC['author'].strip('{}')}, "
         rf"\emph{{{SYMOSC['title']}}}, version {symosc.__version__}, {SYMOSC['year']} "
-        rf"\cite{{symosc}}; the supplement "
-        rf"as \emph{{{TITLE}}}, supplement to symosc {symosc.__version__}. "
-        r"\texttt{symosc -{}-cite} prints BibTeX of symosc and the paper; "
-        r"\texttt{references.bib} has all references."
+        rf"\cite{{symosc}}; the supplement as \emph{{{TITLE}}}, supplement to symosc "
+        rf"{symosc.__version__}. "
+        r"\texttt{symosc -{}-cite} prints BibTeX of symosc and the paper; \texttt{references.bib} "
+        r"has all references."
     )
 
 

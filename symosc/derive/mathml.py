@@ -48,10 +48,10 @@ def font_style() -> str:
 
 def words(text: str) -> str:
     """Return a paragraph of LaTeX, with formulas between dollars, as HTML."""
-    letters = [chr(int(found[1] or found[2])) for found in LETTER.finditer(text)]
+    letters = [chr(int(match[1] or match[2])) for match in LETTER.finditer(text)]
     text = LETTER.sub(KEPT, text)
     text = ITEMS.sub(
-        lambda found: rf"\OPENLIST {ITEM.sub(ITEM_MARK, found[2].strip())} \CLOSELIST", text
+        lambda match: rf"\OPENLIST {ITEM.sub(ITEM_MARK, match[2].strip())} \CLOSELIST", text
     )
     parts = enumerate(text.split("$"))
     html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in parts)

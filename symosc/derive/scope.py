@@ -12,13 +12,13 @@ import sympy as sp
 
 from symosc.base.aliases import Expr
 from symosc.base.exact import read_exact, show
-from symosc.derive.latex import latex, named
 from symosc.derive.steps import Step, equation
 from symosc.friction import MAPS, NEIGHBOURS
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import PAPER_LETTERS
 from symosc.symbolic.theorem7 import rational
 from symosc.words import read_word
@@ -97,12 +97,12 @@ class Scope:
         """The known numbers by their symbols; for a scene also those of cm = c/m, w0sq = k/m and f0
         = B0/m.
         """
-        found = {LETTERS[name]: rational(value) for name, value in self.values}
+        numbers = {LETTERS[name]: rational(value) for name, value in self.values}
         if self.scene:
             derived = list(PAPER_LETTERS)[:3]
         else:
             derived = []
-        return found | {name: PAPER_LETTERS[name].xreplace(found) for name in derived}
+        return numbers | {name: PAPER_LETTERS[name].xreplace(numbers) for name in derived}
 
     @cached_property
     def display(self) -> dict[Expr, Expr]:
@@ -206,18 +206,18 @@ def fragment_scope(
         base = scene.parameters
     else:
         base = Parameters(**dict.fromkeys(PARAMETER_NAMES, 1) | {"v1": -1, "v2": 1})
-    given = {
+    speeds = {
         name: read_exact(name, settings[name])
         for name in ("v1", "v2")
         if name in settings and not scene
     }
-    if "v1" in given:
-        other = {"v2": given["v1"] + 1}
-    elif given:
-        other = {"v1": given["v2"] - 1}
+    if "v1" in speeds:
+        second_speed = {"v2": speeds["v1"] + 1}
+    elif speeds:
+        second_speed = {"v1": speeds["v2"] - 1}
     else:
-        other = {}
-    checked = base.replace(**{**other, **settings})
+        second_speed = {}
+    checked = base.replace(**{**second_speed, **settings})
     values = tuple(
         (name, value) for name, value in by_name(checked).items() if scene or name in settings
     )

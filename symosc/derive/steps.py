@@ -104,8 +104,7 @@ def equation(left: Expr, right: Expr, check: Any = None, label: str = "", **opti
 #: Environments with a number, in one count; a proof has none.
 KINDS = ("definition", "lemma", "proposition", "theorem", "corollary", "remark", "example", "proof")
 _MARKUP = re.compile(
-    rf"\\(begin)\{{({'|'.join(KINDS)})\}}(?:\[([^]]*)\])?(?:\\label\{{([^{{}}]*)\}})?"
-    rf"|\\(end)\{{({'|'.join(KINDS)})\}}"
+    rf"\\(begin)\{{({'|'.join(KINDS)})\}}(?:\[([^]]*)\])?(?:\\label\{{([^{{}}]*)\}})?|\\(end)\{{({'|'.join(KINDS)})\}}"
     r"|\\(subsection)\{((?:[^{}]|\{[^{}]*\})*)\}"
 )
 
@@ -164,28 +163,28 @@ def flat(parts: Items) -> list[Any]:
     """Return the parts of a chapter as one flat list, with texts split into headings, environments
     and paragraphs.
     """
-    found: list[Any] = []
+    items: list[Any] = []
     for part in parts:
         if isinstance(part, str):
             place = 0
             for mark in _MARKUP.finditer(part):
-                found.append(Prose(part[place : mark.start()].strip()))
+                items.append(Prose(part[place : mark.start()].strip()))
                 begin, kind, title, label, end, ended, subsection, heading = (
                     group or "" for group in mark.groups()
                 )
-                found.append(
+                items.append(
                     Markup(begin or end or subsection, kind or ended or heading, title, label)
                 )
                 place = mark.end()
-            found.append(Prose(part[place:].strip()))
+            items.append(Prose(part[place:].strip()))
         elif isinstance(part, Prose):
-            last = max(i for i, item in enumerate(found) if isinstance(item, Prose) and item.text)
-            found[last] = Prose(found[last].text, part.facts)
+            last = max(i for i, item in enumerate(items) if isinstance(item, Prose) and item.text)
+            items[last] = Prose(items[last].text, part.facts)
         elif type(part) in (tuple, list) or isinstance(part, Iterator):
-            found += flat(part)
+            items += flat(part)
         else:
-            found.append(part)
-    return [item for item in found if not isinstance(item, Prose) or item.text]
+            items.append(part)
+    return [item for item in items if not isinstance(item, Prose) or item.text]
 
 
 def steps_of(item: Any) -> tuple[Step, ...]:
@@ -236,7 +235,7 @@ def cases(*checks: Check) -> Check:
     """
 
     def check(statement: Step) -> StepEvidence:
-        kinds = {each(statement).kind for each in checks}
+        kinds = {part(statement).kind for part in checks}
         kind = next(kind for kind in ("numeric", "sign", "exact") if kind in kinds)
         return StepEvidence(kind, f"{len(checks)} cases")
 
@@ -291,11 +290,11 @@ def modes(expr: Expr) -> Expr:
     always vanishes.
     """
     expr = sp.expand_trig(expr)
-    found = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
+    waves = sorted(expr.atoms(sp.exp, sp.sin, sp.cos, sp.sinh, sp.cosh), key=sp.default_sort_key)
     # Modes count as independent symbols here: the expression vanishes for all their values if its
     # numerator does.
     above, _ = sp.fraction(
-        sp.together(expr.xreplace(dict(zip(found, (sp.Dummy() for _ in found), strict=True))))
+        sp.together(expr.xreplace(dict(zip(waves, (sp.Dummy() for _ in waves), strict=True))))
     )
     if sp.expand(above) == 0:
         return sp.S.Zero
@@ -471,11 +470,11 @@ def _motion_sample() -> dict[Expr, Expr]:
     half = sp.Symbol("q", positive=True)
     letters = {mean: 37, half: 23, solution.tau: 11, solution.Omega: 29, solution.m: 17}
     known = {letter: sp.Rational(value, 19) for letter, value in letters.items()}
-    found = {name: sp.N(value.subs(known), 60) for name, value in generic_basis().items()}
+    values = {name: sp.N(value.subs(known), 60) for name, value in generic_basis().items()}
     rates = generic_basis()[solution.cm].subs(known), generic_basis()[solution.w0sq].subs(known)
-    found |= {solution.cm: rates[0], solution.w0sq: rates[1]}
-    found |= {solution.c: rates[0] * known[solution.m], solution.k: rates[1] * known[solution.m]}
-    return found | {name: known[name] for name in (solution.tau, solution.Omega, solution.m)}
+    values |= {solution.cm: rates[0], solution.w0sq: rates[1]}
+    values |= {solution.c: rates[0] * known[solution.m], solution.k: rates[1] * known[solution.m]}
+    return values | {name: known[name] for name in (solution.tau, solution.Omega, solution.m)}
 
 
 def _sampled(expr: Expr) -> Expr:

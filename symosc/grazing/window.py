@@ -365,7 +365,8 @@ class GrazingWindow(Drawable, LatexAnswer):
 
     def latex(self) -> str:
         """Return the window with its case as LaTeX (no dollar signs)."""
-        from symosc.symbolic.theorem7 import latex, rational
+        from symosc.symbolic.latex import latex
+        from symosc.symbolic.theorem7 import rational
 
         number = self.mapping.removeprefix("P")
         belt = self.place.boundary

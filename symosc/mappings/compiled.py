@@ -68,7 +68,7 @@ def compiled_residual(
         labels: tuple[str, ...] = (label,)
     else:
         labels = read_word(label).labels
-    rows = tuple(MAPS[one] for one in labels)
+    rows = tuple(MAPS[name] for name in labels)
     if exit is not None and not (exit in EXITS and any(row.sticks for row in rows)):
         raise ParameterError(
             "exit", exit, f'must be None, or "below" or "above" for a stick; the map is {label}'
@@ -144,13 +144,13 @@ class CompiledResidual:
             raise ParameterError(
                 "x", x.shape, f"must have {len(self._rows) + 1} rows: a point more than maps"
             )
-        found = [
+        results = [
             self._fill(row, (x[n], theta[n], x[n + 1], theta[n + 1]))
             for n, row in enumerate(self._rows)
         ]
-        f = np.concatenate([f for f, _ in found])
+        f = np.concatenate([f for f, _ in results])
         if self.jacobian:
-            return (f, np.stack([J for _, J in found if J is not None]))
+            return (f, np.stack([J for _, J in results if J is not None]))
         return f
 
     @cached_property
@@ -214,12 +214,14 @@ def _read(
     """
     if len(columns) != len(names):
         raise ParameterError("points", f"{len(columns)} arrays", f"must be {', '.join(names)}")
-    given = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
+    entries = [unmasked(name, column) for name, column in zip(names, columns, strict=True)]
     try:
-        given = [np.asarray(column) for column in given]
-        if any(column.dtype.kind not in "iufO" for column in given):
+        entries = [np.asarray(column) for column in entries]
+        if any(column.dtype.kind not in "iufO" for column in entries):
             raise TypeError
-        arrays = tuple(np.require(column, dtype=float, requirements=["C", "W"]) for column in given)
+        arrays = tuple(
+            np.require(column, dtype=float, requirements=["C", "W"]) for column in entries
+        )
     except (TypeError, ValueError, OverflowError):
         raise ParameterError("points", columns, "must be arrays of real numbers") from None
     shapes = [array.shape for array in arrays]

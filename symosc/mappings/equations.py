@@ -55,6 +55,8 @@ from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import ParametersLike, parameters_of
 
 EXITS = ("below", "above")
+#: Points that are evaluated at once: the columns of a block stay in the cache of a core.
+BLOCK = 16384
 #: A switching point (x, theta), of numbers or of arrays that broadcast.
 Pair: TypeAlias = "Sequence[Numbers | ArrayLike] | np.ndarray"
 
@@ -105,7 +107,7 @@ def residual(
     require(POINT, start=start, end=end)
     require_or_none(TEXT, exit=exit)
     row, numbers, points, shape = read_points(p, label, start, end, exit)
-    f1, f2 = _in_blocks(lambda each: _residual(row, numbers, each, exit), points, (2,), shape)
+    f1, f2 = _in_blocks(lambda block: _residual(row, numbers, block, exit), points, (2,), shape)
     return f1, f2
 
 
@@ -136,7 +138,7 @@ def jacobian(
     require_or_none(TEXT, exit=exit)
     row, numbers, points, shape = read_points(p, label, start, end, exit)
     return np.asarray(
-        _in_blocks(lambda each: _matrix(_jacobian(row, numbers, each)), points, (2, 4), shape)
+        _in_blocks(lambda block: _matrix(_jacobian(row, numbers, block)), points, (2, 4), shape)
     )
 
 
@@ -166,11 +168,11 @@ def parameter_jacobian(
     if shape is None:
         return _matrix(_parameter_jacobian(p, row, numbers, points, exit))
     numbers = map_arithmetic(p)
-    found = [
+    matrices = [
         _matrix(_parameter_jacobian(p, row, numbers, point, exit))
         for point in zip(*points, strict=True)
     ]
-    return np.stack(found, axis=-1).reshape((2, 11, *shape))
+    return np.stack(matrices, axis=-1).reshape((2, 11, *shape))
 
 
 class MapArithmetic(NamedTuple):
@@ -221,17 +223,17 @@ def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> An
     """Return the derivatives of f1 and f2 with respect to x_i, theta_i, x_j, theta_j, in two rows."""
     K = numbers.K
     (x_i, theta_i, _, theta_j) = points
-    one = 1 + 0 * x_i
+    unit = 1 + 0 * x_i
     zero = 0 * x_i
     if row.sticks:
         v, _ = stick_arguments(row, K, None)
         x_th0, x_th1, v_x1, v_th1 = numbers.of["stick_slopes"](theta_j, v, K)
-        return (one, x_th0 * one, -one, x_th1 * one), (zero, zero, v_x1 * one, v_th1 * one)
+        return (unit, x_th0 * unit, -unit, x_th1 * unit), (zero, zero, v_x1 * unit, v_th1 * unit)
     v_i, _, A = flight_arguments(row, K)
     x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = numbers.of["flight_slopes"](
         x_i, theta_i, theta_j, v_i, A, K
     )
-    return (x_x0, x_th0, -one, x_th1), (v_x0, v_th0, zero, v_th1)
+    return (x_x0, x_th0, -unit, x_th1), (v_x0, v_th0, zero, v_th1)
 
 
 def _parameter_jacobian(
@@ -253,8 +255,8 @@ def _parameter_jacobian(
         else:
             i = int(not abs(forces[0]) <= abs(forces[1]))
         domain = NEIGHBOURS[row.start.boundary][i]
-        found = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, forces[i], m, K)
-        v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = found
+        derivatives = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, forces[i], m, K)
+        v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = derivatives
         by_letter = [(zero, v_m), (zero, v_c), (zero, v_k), (zero, v_A), (zero, v_B), (x_Om, zero)]
     else:
         v_i, _, A = flight_arguments(row, K)
@@ -345,16 +347,20 @@ def read_points(
         else:
             allowed = f"must be None: {label} is a flight"
         raise ParameterError("exit", exit, allowed)
-    given = [*start, *end]
+    coordinates = [*start, *end]
     shape = None
     points = list[Any]()
     context = next(
-        (value.context for value in given if hasattr(value, "_mpf_") and hasattr(value, "context")),
+        (
+            value.context
+            for value in coordinates
+            if hasattr(value, "_mpf_") and hasattr(value, "context")
+        ),
         None,
     )
-    if context is None and any(is_array(value) for value in given):
+    if context is None and any(is_array(value) for value in coordinates):
         numbers: MapArithmetic = _doubles(p, arrays=True)
-        columns = point_columns(given)
+        columns = point_columns(coordinates)
         shape = columns[0].shape
         points = [column.ravel() for column in columns]
     else:
@@ -364,7 +370,8 @@ def read_points(
         else:
             convert = context.convert
         points = [
-            scalar(name, value, convert) for name, value in zip(POINT_NAMES, given, strict=True)
+            scalar(name, value, convert)
+            for name, value in zip(POINT_NAMES, coordinates, strict=True)
         ]
     if not row.sticks and np.any(points[3] < points[1]):
         raise ParameterError("theta_j", end[1], UNWRAPPED)
@@ -380,11 +387,11 @@ def _in_blocks(
     """
     if shape is None:
         return evaluate(points)
-    found = np.empty((*head, len(points[0])))
-    for begin in range(0, len(points[0]), 16384):
-        block = slice(begin, begin + 16384)
-        found[..., block] = evaluate([column[block] for column in points])
-    return found.reshape((*head, *shape))
+    results = np.empty((*head, len(points[0])))
+    for begin in range(0, len(points[0]), BLOCK):
+        block = slice(begin, begin + BLOCK)
+        results[..., block] = evaluate([column[block] for column in points])
+    return results.reshape((*head, *shape))
 
 
 def _matrix(rows: Any) -> np.ndarray:
@@ -514,9 +521,11 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     end = event.state
     grazing = event.code == GRAZE
     same_start = (
-        other for other in MAPS.values() if (other.start, other.mode) == (row.start, row.mode)
+        candidate
+        for candidate in MAPS.values()
+        if (candidate.start, candidate.mode) == (row.start, row.mode)
     )
-    actual = next(other.label for other in same_start if other.end.boundary == boundary)
+    actual = next(candidate.label for candidate in same_start if candidate.end.boundary == boundary)
     if actual != label:
         raise MapError(
             label, x, theta, f"the motion ends on belt {boundary}: that is {actual}", actual

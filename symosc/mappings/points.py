@@ -44,11 +44,11 @@ def scalar(name: str, value: Any, convert: Callable[[Any], Number]) -> Number:
     return number
 
 
-def point_columns(given: list[object]) -> list[np.ndarray]:
+def point_columns(points: list[object]) -> list[np.ndarray]:
     """Return x_i, theta_i, x_j, theta_j as four arrays, broadcast to one shape."""
     allowed = "must be an array of real numbers (arrays and mpmath numbers do not mix)"
     columns = [
-        real_array(name, value, allowed) for name, value in zip(POINT_NAMES, given, strict=True)
+        real_array(name, value, allowed) for name, value in zip(POINT_NAMES, points, strict=True)
     ]
     try:
         return [np.array(column) for column in np.broadcast_arrays(*columns)]

@@ -159,7 +159,11 @@ def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -
     """
     name, *arguments = head.split()
     return Kernel(
-        name, doc, {each: (MEANING | own)[each] for each in arguments}, steps, tuple(steps)
+        name,
+        doc,
+        {argument: (MEANING | own)[argument] for argument in arguments},
+        steps,
+        tuple(steps),
     )
 
 
@@ -278,7 +282,8 @@ def _wrapped(line: str, start: str, text: str, indent: str) -> str:
     if len(line) < KERNEL_WIDTH:
         return line
     fold = textwrap.TextWrapper(KERNEL_WIDTH, break_long_words=False, break_on_hyphens=False)
-    fold.initial_indent = fold.subsequent_indent = f"{indent}    "
+    fold.initial_indent = f"{indent}    "
+    fold.subsequent_indent = fold.initial_indent
     return f"{start}(\n{fold.fill(text)}\n{indent})"
 
 

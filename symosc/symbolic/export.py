@@ -217,9 +217,9 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
         """
         p = load_scene(EXAMPLE).parameters
         z = [
-            each
+            coordinate
             for n in range(len(self.maps) + 1)
-            for each in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))
+            for coordinate in (round(0.5 - 0.3 * n, 1), round(0.4 + 0.7 * n, 1))
         ]
         return z, by_name(p, float)
 
@@ -237,8 +237,8 @@ def _program(word: Word, arrays: bool) -> _Program:
     maps: list[str] = []
     wanted: list[str] = []
     for row, exit in zip(word.maps, word.exits(), strict=True):
-        for each in [exit] if exit or not row.sticks else ["below", "above"]:
-            label, source = _map_source(row, each, arrays)
+        for side in [exit] if exit or not row.sticks else ["below", "above"]:
+            label, source = _map_source(row, side, arrays)
             wanted += [label, label + MATRIX]
             sources.append(source)
             maps.append(label)
@@ -491,7 +491,9 @@ class _C(ast.NodeTransformer):
             lines = ["/*", *lines, " */"]
         lines += [f"{'' if _is_map(node.name) else 'static '}{self.head(node)}", "{"]
         types: dict[str, str] = {}  # of the local variables: "int" for a flag
-        for leaf in (each for each in ast.walk(node) if isinstance(each, ast.Assign)):
+        for leaf in (
+            statement for statement in ast.walk(node) if isinstance(statement, ast.Assign)
+        ):
             target = leaf.targets[0]
             match leaf.value:
                 case ast.Compare() | ast.BoolOp() | ast.Constant(bool()):
@@ -533,15 +535,15 @@ class _C(ast.NodeTransformer):
         ):
             yield "{"
             yield from (
-                f"    const double next{n} = {self.expression(each)};"
-                for n, each in enumerate(value.elts)
+                f"    const double next{n} = {self.expression(part)};"
+                for n, part in enumerate(value.elts)
             )
             yield from (f"    {name} = next{n};" for n, name in enumerate(names))
             yield "}"
         else:
             yield from (
-                f"{name} = {self.expression(each)};"
-                for name, each in zip(names, value.elts, strict=True)
+                f"{name} = {self.expression(part)};"
+                for name, part in zip(names, value.elts, strict=True)
             )
 
     def give_back(self, value: ast.expr) -> Iterator[str]:
@@ -551,12 +553,12 @@ class _C(ast.NodeTransformer):
                 columns = len(value.elts) // 2
             else:
                 columns = 0
-            for n, each in enumerate(value.elts):
+            for n, part in enumerate(value.elts):
                 if columns:
                     place = f"[{n // columns}][{n % columns}]"
                 else:
                     place = f"[{n}]"
-                yield f"out{place} = {self.expression(each)};"
+                yield f"out{place} = {self.expression(part)};"
             yield "return;"
         elif isinstance(value, ast.Call) and self.returns.get(ast.unparse(value.func), 1) > 1:
             yield self._call_into(value, "out")
@@ -626,8 +628,8 @@ def _python(program: _Program) -> str:
             "np.array(rows).reshape(({}, *shape))"
         )
         bodies = [
-            frame.format(each, shape[1:-1])
-            for each, shape in zip((rows, blocks), shapes, strict=True)
+            frame.format(body, shape[1:-1])
+            for body, shape in zip((rows, blocks), shapes, strict=True)
         ]
     else:
         whats = ["", ""]
@@ -663,7 +665,7 @@ def _c(program: _Program, name: str) -> dict[str, str]:
     )
     setup = (
         f"void {name}_setup({name}_constants *K, "
-        f"{', '.join(f'double {each}' for each in PARAMETER_NAMES)})"
+        f"{', '.join(f'double {parameter}' for parameter in PARAMETER_NAMES)})"
     )
     guard = f"{name.upper()}_H"
     example = f"{name.upper()}_EXAMPLE"
@@ -721,8 +723,10 @@ int main(void)
 }}
 #endif"""
     calls = list(enumerate(program.calls()))
-    rows = [f"    {name}_{label}({each}, f + {2 * n});" for n, (label, each, _) in calls]
-    blocks = [f"    {name}_{label}{MATRIX}({each}, J[{n}]);" for n, (label, _, each) in calls]
+    rows = [f"    {name}_{label}({arguments}, f + {2 * n});" for n, (label, arguments, _) in calls]
+    blocks = [
+        f"    {name}_{label}{MATRIX}({arguments}, J[{n}]);" for n, (label, _, arguments) in calls
+    ]
     parts = [
         f'#include "{name}.h"\n\n#include <math.h>',
         "\n".join(

@@ -44,7 +44,8 @@ from symosc.base.exact import read_exact
 from symosc.kernels.theorem7_cases import Place, place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of
-from symosc.symbolic.theorem7 import latex, rational, real, sign_of
+from symosc.symbolic.latex import latex
+from symosc.symbolic.theorem7 import rational, real, sign_of
 
 #: The letters of questions without numbers: v_lambda is the map's belt speed; v_1 and v_2 only
 #: bound its range.
@@ -217,10 +218,10 @@ def condition_text(condition: Expr) -> str:
     if isinstance(condition, sp.Eq):
         return f"{condition.lhs} = {condition.rhs}"
     if isinstance(condition, sp.And):
-        texts = ((condition_text(each), isinstance(each, sp.Or)) for each in condition.args)
+        texts = ((condition_text(part), isinstance(part, sp.Or)) for part in condition.args)
         return " and ".join(sorted(f"({text})" if joined else text for text, joined in texts))
     if isinstance(condition, sp.Or):
-        parts = [(condition_text(each), isinstance(each, sp.And)) for each in condition.args]
+        parts = [(condition_text(part), isinstance(part, sp.And)) for part in condition.args]
         return " or ".join(sorted(f"({text})" if joined else text for text, joined in parts))
     return str(condition)
 
@@ -274,8 +275,8 @@ class Answers(tuple[Answer, ...], LatexAnswer):
         """Return question and answers as text, one line for each condition."""
         name = QUERY_LETTERS[self.question.names[0]]
         lines = [
-            f"  if {condition_text(each.condition)}: {name} in {interval_text(each.values)}"
-            for each in self
+            f"  if {condition_text(answer.condition)}: {name} in {interval_text(answer.values)}"
+            for answer in self
         ]
         return "\n".join([f"{self.question.text()}:", *lines])
 
@@ -391,7 +392,7 @@ class ParameterRegion(Drawable, LatexAnswer):
     @property
     def allowed(self) -> Expr:
         """The ranges that Parameters allows for the two parameters, as a sympy Boolean."""
-        found = {
+        ranges = {
             "k": sp.GreaterThan(QUERY_LETTERS["k"], 0, evaluate=False),
             "Omega": sp.StrictGreaterThan(QUERY_LETTERS["Omega"], 0, evaluate=False),
             "B0": sp.true,
@@ -399,7 +400,8 @@ class ParameterRegion(Drawable, LatexAnswer):
             "v2": QUERY_LETTERS["v2"] > rational(self.parameters.v1),
         }
         return sp.And(
-            *(found[name] for name in self.question.names if found[name] != sp.true), evaluate=False
+            *(ranges[name] for name in self.question.names if ranges[name] != sp.true),
+            evaluate=False,
         )
 
     @property
@@ -455,10 +457,10 @@ def holds(condition: Expr, numbers: dict[Expr, Expr]) -> bool:
     if condition in (sp.true, sp.false):
         return bool(condition)
     if isinstance(condition, sp.And | sp.Or):
-        each = (holds(part, numbers) for part in condition.args)
+        parts = (holds(part, numbers) for part in condition.args)
         if isinstance(condition, sp.And):
-            return all(each)
-        return any(each)
+            return all(parts)
+        return any(parts)
     sign = sign_of((condition.lhs - condition.rhs).subs(numbers))
     return {sp.Gt: sign > 0, sp.Ge: sign >= 0, sp.Lt: sign < 0, sp.Le: sign <= 0, sp.Eq: sign == 0}[
         condition.func
@@ -582,15 +584,15 @@ def values_everything(
     )
 
 
-def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
+def _read_names(mapping: str, names_given: Any, p: Any) -> tuple[str, ...]:
     """Check the parameter names `given` and return them, the belt's speed as "v" if p is None, else
     "v1" or "v2".
     """
     belt = f"v{place(mapping).boundary}"
-    if isinstance(given, tuple | list):
-        asked = tuple(given)
+    if isinstance(names_given, tuple | list):
+        asked = tuple(names_given)
     else:
-        asked = (given,)
+        asked = (names_given,)
     if p is None:
         own = "v"
     else:
@@ -603,7 +605,9 @@ def _read_names(mapping: str, given: Any, p: Any) -> tuple[str, ...]:
             known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
             raise ParameterError("name", asked_name, known)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
-        raise ParameterError("name", given, "give one parameter, or a pair of two different ones")
+        raise ParameterError(
+            "name", names_given, "give one parameter, or a pair of two different ones"
+        )
     return names
 
 
@@ -616,17 +620,20 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
     if len(question.names) == 2:
         return _region(p, where, question, full)
     belt = f"v{where.boundary}"
-    other = f"v{3 - where.boundary}"
+    second_belt = f"v{3 - where.boundary}"
     values = QUERY_LETTERS
     if p is not None:
-        values = {each: rational(getattr(p, each)) for each in ("k", "B0", "Omega", other)}
+        values = {
+            parameter: rational(getattr(p, parameter))
+            for parameter in ("k", "B0", "Omega", second_belt)
+        }
         values["v"] = rational(p.belt(where.boundary))
     domain = {
         "Omega": sp.Interval.open(0, sp.oo),
         "k": sp.Interval(0, sp.oo),
         "B0": sp.Interval(-sp.oo, sp.oo),
-        "v1": sp.Interval.open(-sp.oo, values[other]),
-        "v2": sp.Interval.open(values[other], sp.oo),
+        "v1": sp.Interval.open(-sp.oo, values[second_belt]),
+        "v2": sp.Interval.open(values[second_belt], sp.oo),
     }[belt if name == "v" else name]
     asked = "v" if name == belt else name, values, domain
     if question.asked == "empty":
@@ -635,26 +642,27 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
         solved = _solve_for_all_phases(*asked, where.side, full, False)
     elif isinstance(question.theta, PhaseInterval):
         decided = [
-            _containing(*asked, where.side, each, full) for each in question.theta.deciding((-1, 1))
+            _containing(*asked, where.side, extreme, full)
+            for extreme in question.theta.deciding((-1, 1))
         ]
         solved = iter(
             [
                 Answer(
                     sp.true,
-                    sp.Intersection(*(each.values for answers in decided for each in answers)),
+                    sp.Intersection(*(answer.values for answers in decided for answer in answers)),
                 )
             ]
         )
     else:
         solved = _containing(*asked, where.side, (question.theta, True), full)
-    found: dict[Expr, Expr] = {}  # conditions with one answer are joined
+    conditions: dict[Expr, Expr] = {}  # conditions with one answer are joined
     for condition, inside in solved:
         if condition != sp.false:
             allowed = inside & domain
-            found[allowed] = sp.Or(found.get(allowed, sp.false), condition)
+            conditions[allowed] = sp.Or(conditions.get(allowed, sp.false), condition)
     if p is not None:
-        return ParameterValues(question, *found)
-    answers = Answers(Answer(condition, inside) for inside, condition in found.items())
+        return ParameterValues(question, *conditions)
+    answers = Answers(Answer(condition, inside) for inside, condition in conditions.items())
     answers.question = question
     return answers
 
@@ -670,7 +678,8 @@ def _containing(
     >= 0 if that is an open end.
     """
     theta, attained = extreme
-    k, v, B0, Omega, sine = *(values[each] for each in ("k", "v", "B0", "Omega")), sp.sin(theta)
+    k, v, B0, Omega = (values[letter] for letter in ("k", "v", "B0", "Omega"))
+    sine = sp.sin(theta)
     # The left side is start + slope * parameter; level is side k v at its root.
     if name in ("Omega", "B0"):
         start = side * k * v
@@ -717,7 +726,7 @@ def _solve_for_all_phases(
 
     `at_zero`: also if both sides are 0.
     """
-    k, v, B0, Omega = (values[each] for each in ("k", "v", "B0", "Omega"))
+    k, v, B0, Omega = (values[letter] for letter in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
         # |B0| Omega <= level
         level = direction * k * v
@@ -732,14 +741,14 @@ def _solve_for_all_phases(
                 yield Answer(levelled, sp.Interval(-end, end, not closed, not closed))
             else:
                 for B0_sign, signed in _signs(B0):
-                    found = possible
+                    allowed = possible
                     if B0_sign:  # Omega > 0, and so is the end if the level is
                         end = level / (B0_sign * B0)
                         if level_sign:
-                            found = sp.Interval(0, end, True, not closed)
+                            allowed = sp.Interval(0, end, True, not closed)
                         else:
-                            found = sp.S.EmptySet
-                    yield Answer(levelled & signed, found)
+                            allowed = sp.S.EmptySet
+                    yield Answer(levelled & signed, allowed)
         return
     # factor * parameter >= |B0| Omega
     factor = direction * (v if name == "k" else k)
@@ -751,16 +760,16 @@ def _solve_for_all_phases(
                 else:
                     reached = sp.FiniteSet(0)
                 if B0_sign == 0 and at_zero:
-                    found = reached
+                    allowed = reached
                 else:
-                    found = sp.S.EmptySet
+                    allowed = sp.S.EmptySet
             else:
                 if B0_sign:
                     end = B0_sign * B0 * Omega / factor
                 else:
                     end = sp.S.Zero
-                found = _half_line(end, factor_sign, closed if B0_sign else at_zero)
-            yield Answer(factored & signed, found)
+                allowed = _half_line(end, factor_sign, closed if B0_sign else at_zero)
+            yield Answer(factored & signed, allowed)
 
 
 def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
@@ -833,7 +842,7 @@ def _region(
             decided = theta.deciding(signs)
         else:
             decided = [(theta, True)]
-        condition = sp.And(*(_region_at(level, drive, each, full) for each in decided))
+        condition = sp.And(*(_region_at(level, drive, extreme, full) for extreme in decided))
     elif question.asked == "empty":
         condition = CLOSED_REGION(-level, size)
     else:

@@ -86,19 +86,21 @@ def repeated_apart() -> dict[str, Expr]:
     # U1 = S*S is explicit; the others solve D f = g, which by their known rates has no derivatives
     # left. With p + i q = w0sq - Omega^2 + i cm Omega, the last two pairs are (u + i z)/(p + i q).
     first = (E1 - tau * (E0 + h * E1)) / (2 * solution.omega_d**2)
-    found = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
-    found |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
+    formulas = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
+    formulas |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
     swing = tuple(tau * wave(Omega * tau) for wave in (sp.cos, sp.sin))
     for (f, g), forcing, tops in (((V, W), (R2, I2), ("u", "z")), ((P, Q), swing, ("y", "n"))):
         known = [
             part - _operator(name).subs({f: 0, g: 0})
             for name, part in zip((f, g), forcing, strict=True)
         ]
-        found |= dict(zip(tops, map(sp.expand, known), strict=True))
+        formulas |= dict(zip(tops, map(sp.expand, known), strict=True))
         real, imaginary = sp.symbols(tops)
         whole = sp.solve([p * f - q * g - real, q * f + p * g - imaginary], [f, g])
-        found |= {str(name): expr.subs(p**2 + q**2, sp.Symbol("D")) for name, expr in whole.items()}
-    return found
+        formulas |= {
+            str(name): expr.subs(p**2 + q**2, sp.Symbol("D")) for name, expr in whole.items()
+        }
+    return formulas
 
 
 @cache
@@ -130,7 +132,7 @@ def flight_jacobian() -> dict[str, Expr]:
     # The others are constants: with respect to x_j, f1 has the derivative -1 and f2 the derivative
     # 0.
     start = by_start()
-    found = {}
+    slopes = {}
     for name, end in (("x", v_end), ("v", a_end)):
         # v_i d/dx_i + a_i d/dv_i + Omega d/dtheta_i = 0 at fixed theta_j: the start moves along its
         # own flow.
@@ -138,10 +140,10 @@ def flight_jacobian() -> dict[str, Expr]:
             by_v0 = solution.E0
         else:
             by_v0 = start["x_v0"]
-        found[f"{name}_x0"] = start[f"{name}_x0"]
-        found[f"{name}_th0"] = -(v_i * start[f"{name}_x0"] + a_i * by_v0) / Omega
-        found[f"{name}_th1"] = end / Omega
-    return found
+        slopes[f"{name}_x0"] = start[f"{name}_x0"]
+        slopes[f"{name}_th0"] = -(v_i * start[f"{name}_x0"] + a_i * by_v0) / Omega
+        slopes[f"{name}_th1"] = end / Omega
+    return slopes
 
 
 def flight_parameters() -> dict[str, Expr]:
@@ -158,12 +160,12 @@ def flight_parameters() -> dict[str, Expr]:
     }
     # d/dOmega f0 cos(theta_i + Omega t) = -f0 t sin(theta_i + Omega t)
     forcing |= {"A": E2 / m, "B": (c0 * R2 - s0 * I2) / m, "Om": -f0 * (s0 * P + c0 * Q)}
-    found = {}
+    slopes = {}
     start = by_start()
     for name, response in forcing.items():
-        found[f"x_{name}"] = solution.collected(response)
-        found[f"v_{name}"] = solution.collected(rate(response))
-    return found | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
+        slopes[f"x_{name}"] = solution.collected(response)
+        slopes[f"v_{name}"] = solution.collected(rate(response))
+    return slopes | {"x_v0": start["x_v0"], "v_v0": start["v_v0"] - 1}
 
 
 def _operator(expr: Expr) -> Expr:
@@ -208,12 +210,12 @@ def stick_parameters() -> dict[str, Expr]:
     k = solution.k
     back = {c: cm * m, k: w0sq * m, B0: f0 * m, A: solution.A_m * m}
     force = residual["f2"].xreplace(solution.PAPER_LETTERS)
-    found = {
+    slopes = {
         f"v_{name}": force.diff(q)
         for name, q in (("c", c), ("k", k), ("A", A), ("B", B0), ("v0", v_i))
     }
-    found["v_m"] = -F / m
+    slopes["v_m"] = -F / m
     assert sp.expand(force.diff(m) + force / m) == 0
-    found["x_Om"] = -residual["f1"].diff(tau) * tau / Omega
-    found["x_v0"] = residual["f1"].diff(v_i)
-    return {name: expr.xreplace(back) for name, expr in found.items()}
+    slopes["x_Om"] = -residual["f1"].diff(tau) * tau / Omega
+    slopes["x_v0"] = residual["f1"].diff(v_i)
+    return {name: expr.xreplace(back) for name, expr in slopes.items()}

@@ -13,13 +13,11 @@ is 0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from fractions import Fraction
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy as sp
-from sympy.printing.latex import LatexPrinter
 
 from symosc.base.aliases import Expr, NumberLike, Order
 from symosc.base.arguments import NUMBER, ORDER, TEXT, public, require
@@ -27,6 +25,7 @@ from symosc.base.display.latex import LatexAnswer, latex_table
 from symosc.base.errors import ParameterError
 from symosc.base.phases import read_angle, symbolic
 from symosc.kernels import theorem7_cases as cases
+from symosc.symbolic.latex import latex
 
 GAMMA, AMPLITUDE = sp.symbols("gamma a", real=True)
 CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
@@ -163,8 +162,8 @@ def theorem7(
         return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
 
     # The sets are written for the signs that the condition demands.
-    given = ((case, substituted(case.condition)) for case in all_cases(where, full))
-    left = ((case, condition) for case, condition in given if condition != sp.false)
+    conditioned = ((case, substituted(case.condition)) for case in all_cases(where, full))
+    left = ((case, condition) for case, condition in conditioned if condition != sp.false)
     return Theorem7Cases(
         Case(case.label, condition, substituted(case.phases)) for case, condition in left
     )
@@ -258,7 +257,7 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
     """
     g = GAMMA
     a = AMPLITUDE
-    found = []
+    rows_of_signs = []
     for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
         size = amplitude_sign * a
         rows = [
@@ -275,7 +274,7 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
         if where.side < 0:
             rows[5:] = rows[:4:-1]
             rows[1:3] = [((1, 0), g >= size)]
-        found += [
+        rows_of_signs += [
             ((of_gamma, amplitude_sign, excess), condition & sign)
             for (of_gamma, excess), condition in rows
         ]
@@ -286,10 +285,10 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
         nothing = g >= 0
         everything = g < 0
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
-        found.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
+        rows_of_signs.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
     return tuple(
         Case(cases.case_label(where, *of), condition, window_phases(where, g, a, full, of))
-        for of, condition in found
+        for of, condition in rows_of_signs
     )
 
 
@@ -334,81 +333,12 @@ def sign_of(number: Expr) -> int:
         if digits == 30:
             plain = sp.expand_trig(number)
             x = sp.Dummy("x")
-            if (
-                sp.minimal_polynomial(plain, x) == x
-                if plain.is_algebraic
-                else sp.simplify(plain) == 0
-            ):
+            if plain.is_algebraic:
+                is_zero = sp.minimal_polynomial(plain, x) == x
+            else:
+                is_zero = sp.simplify(plain) == 0
+            if is_zero:
                 return 0
     raise ParameterError(
         "number", number, f"cannot be distinguished from 0 with {MOST_SIGN_DIGITS} digits"
     )
-
-
-# --- LaTeX as papers print it: arcsin, pi before arcsines, chains of inequalities ---
-
-#: Inequalities, and how each is printed once its smaller side stands first.
-INEQUALITIES = sp.StrictLessThan, sp.LessThan, sp.StrictGreaterThan, sp.GreaterThan
-LESS = {"<": "<", ">": "<", "<=": r"\leq", ">=": r"\leq"}
-
-
-class AnswerPrinter(LatexPrinter):
-    """A sympy printer with conventional order of terms and chained inequalities."""
-
-    def __init__(self) -> None:
-        super().__init__({"inv_trig_style": "full"})
-
-    def _as_ordered_terms(self, expr: Expr, order: Any = None) -> Sequence[Expr]:
-        """Return the terms of a sum with those that contain arcsines last."""
-        terms: Sequence[Expr] = super()._as_ordered_terms(expr, order)
-        arcs = [term for term in terms if term.has(sp.asin, sp.acos)]
-        return [term for term in terms if term not in arcs] + arcs
-
-    def _print_EmptySet(self, expr: Expr) -> str:
-        return r"\varnothing"
-
-    def _print_And(self, expr: Expr, char: Any = None) -> str:
-        # Equations stand first, and two bounds of one expression as a chain a < b < c.
-        texts = []
-        conditions = list(expr.args)
-        while conditions:
-            each = conditions.pop(0)
-            other = next((other for other in conditions if _from_both_sides(each, other)), None)
-            if other is None:
-                if isinstance(each, sp.Or):
-                    text = rf"\left({self._print(each)}\right)"
-                else:
-                    text = self._print(each)
-                texts.append((not isinstance(each, sp.Eq), text))
-                continue
-            conditions.remove(other)
-            if each.lhs == each.gts:
-                low = each
-                high = other
-            else:
-                low = other
-                high = each
-            ends = [self._print(part) for part in (low.rhs, low.lhs, high.rhs)]
-            texts.append(
-                (False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}")
-            )
-        return r",\ ".join(text for _, text in sorted(texts))
-
-    def _print_Or(self, expr: Expr, char: Any = None) -> str:
-        # A chain of conditions has commas, so alternatives are joined by words.
-        return r"\ \text{or}\ ".join(sorted(self._print(each) for each in expr.args))
-
-
-def _from_both_sides(one: Expr, other: Expr) -> bool:
-    """Return whether one condition bounds an expression from below and the other bounds the same
-    one from above.
-    """
-    both = (
-        isinstance(one, INEQUALITIES) and isinstance(other, INEQUALITIES) and one.lhs == other.lhs
-    )
-    return both and (one.lhs == one.gts) != (other.lhs == other.gts)
-
-
-def latex(expr: Expr) -> str:
-    """Return LaTeX of a set of phases or values, a condition or an expression (no dollar signs)."""
-    return str(AnswerPrinter().doprint(expr))

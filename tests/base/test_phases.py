@@ -40,7 +40,7 @@ def texts(rng: random.Random) -> tuple[str, Any]:
     """Return a way to write a phase, and what it means."""
     a = fraction(rng)
     b = fraction(rng)
-    rest, multiple = (sp.Rational(each.numerator, each.denominator) for each in (a, b))
+    rest, multiple = (sp.Rational(part.numerator, part.denominator) for part in (a, b))
     return rng.choice(
         [
             (f"{b.numerator}*pi/{b.denominator}", multiple * pi),

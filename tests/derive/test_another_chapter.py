@@ -12,7 +12,7 @@ from symosc.derive.chapters import CHAPTERS
 
 CHAPTER = r'''"""The energy of the mass."""
 
-from symosc.derive.latex import named
+from symosc.symbolic.latex import named
 from symosc.derive.steps import sign, equation, step
 from symosc.symbolic.solution import k, m, v, x
 

@@ -135,9 +135,9 @@ def test_each_number_of_a_checked_sentence_is_tied_to_a_step(key: str) -> None:
         text = document.sentence_of(item)
         tied = getattr(item, "facts", ())
         assert document.untied(text, tied) == []
-        for found in document.numbers_in(text):
-            other = f"{text[: found.start()]}97{text[found.end() :]}"
-            assert document.untied(other, tied) == ["97"], other
+        for match in document.numbers_in(text):
+            changed = f"{text[: match.start()]}97{text[match.end() :]}"
+            assert document.untied(changed, tied) == ["97"], changed
 
 
 def test_a_number_without_a_step_stops_the_chapter() -> None:

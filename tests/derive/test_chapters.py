@@ -21,13 +21,15 @@ from sympy.core.function import AppliedUndef
 
 from symosc.base.errors import OutputError
 from symosc.cli.derive import derive
-from symosc.derive import document, latex
+from symosc.derive import document
 from symosc.derive.chapters import CHAPTERS
 from symosc.derive.errata import read_errata
 from symosc.derive.front import NOTATION
+from symosc.derive.latex import lines
 from symosc.derive.scope import Scope
 from symosc.derive.steps import points
 from symosc.scenes import load_scene
+from symosc.symbolic.latex import latex
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
 TEXTS = {
@@ -54,10 +56,10 @@ def run(*arguments: str) -> Any:
 
 @pytest.mark.parametrize("key", KEYS)
 def test_committed_latex_is_current_and_every_step_has_evidence(key: str) -> None:
-    found = chapter(key)
-    assert {evidence.kind for _, evidence in found.steps()} <= {"exact", "sign", "numeric"}
+    checked = chapter(key)
+    assert {evidence.kind for _, evidence in checked.steps()} <= {"exact", "sign", "numeric"}
     old = TEXTS[key]
-    new = document.as_latex(found, Scope(), dict.fromkeys(LABELS, ""))
+    new = document.as_latex(checked, Scope(), dict.fromkeys(LABELS, ""))
     lines = (text.splitlines(keepends=True) for text in (old, new))
     assert old == new, "".join(difflib.unified_diff(*lines, "committed", "printed now")) + ACCEPT
 
@@ -74,11 +76,11 @@ def test_what_is_printed_reads_back(key: str) -> None:
         if step.op == "in" or step.right.atoms(AppliedUndef):
             continue
         shown = document.shown(step, Scope())
-        left, right = " ".join(latex.lines(shown, step.decimals)).split("&", 1)
+        left, right = " ".join(lines(shown, step.decimals)).split("&", 1)
         right = re.sub(r"^(?:=|>|<|\\ge|\\le)(?![a-z])", "", right)
         for text, side in ((left, shown.left), (right, shown.right)):
             point = next(points(side, count=1))
-            values = {latex.latex(letter): complex(value) for letter, value in point.items()}
+            values = {latex(letter): complex(value) for letter, value in point.items()}
             expected = complex(sp.N(side.subs(point, simultaneous=True), 20))
             assert Reader(text, values).value() == pytest.approx(expected, rel=1e-9, abs=1e-9), text
 
@@ -110,9 +112,9 @@ def test_latex_takes_it_and_counts_like_html(tmp_path: Path) -> None:
         subprocess.run(command, cwd=work, capture_output=True, check=True)
     log = (work / document.MAIN).with_suffix(".log").read_text(encoding="latin-1")
     assert [
-        each
-        for each in document.complaints_of(log)
-        if "Rerun" not in each and "may have changed" not in each
+        complaint
+        for complaint in document.complaints_of(log)
+        if "Rerun" not in complaint and "may have changed" not in complaint
     ] == []
     aux = "".join(path.read_text(encoding="latin-1") for path in work.rglob("*.aux"))
     counted = dict(re.findall(r"\\newlabel\{([^{}]*)\}\{\{([\d.]*)\}", aux))
@@ -134,8 +136,8 @@ def test_the_stored_numbers_are_those_of_the_whole_book() -> None:
 @pytest.mark.parametrize("key", KEYS)
 def test_a_chapter_alone_has_no_reference_without_target(key: str) -> None:
     """Labels of other chapters have become their numbers in the whole book."""
-    found = unchecked(key)
-    text = document.main_document([found], Scope()) + document.as_latex(found, Scope())
+    checked = unchecked(key)
+    text = document.main_document([checked], Scope()) + document.as_latex(checked, Scope())
     named = re.findall(r"\\(?:eq)?ref\{([^{}#]*)\}", text)
     assert set(named) <= {*re.findall(r"\\label\{([^{}]*)\}", text)}
     assert not re.search(r"(?:Theorem|Lemma|Table|Eq\.|proof of)[~ ]Chapter~", text)
@@ -189,9 +191,9 @@ def test_every_symbol_is_in_the_table_of_notation() -> None:
 def test_the_supplement_has_each_erratum_once_with_its_number_and_severity() -> None:
     errata = read_errata()
     printed = r"^\\textbf\{(\d+)\.\}~(.*?) \((\w+)\)\. \\emph\{Printed:\}"
-    found = re.findall(printed, TEXTS["errata"], re.MULTILINE)
-    assert found == [(str(each.number), each.where, each.severity) for each in errata]
-    named = {label for each in errata for label in re.findall(r"ref\{([^{}]*)\}", each.shown)}
+    rows = re.findall(printed, TEXTS["errata"], re.MULTILINE)
+    assert rows == [(str(erratum.number), erratum.where, erratum.severity) for erratum in errata]
+    named = {label for erratum in errata for label in re.findall(r"ref\{([^{}]*)\}", erratum.shown)}
     assert len(named) > 10
     assert named <= set(LABELS)
 
@@ -203,14 +205,14 @@ def test_the_supplement_has_each_erratum_once_with_its_number_and_severity() -> 
 def test_a_pdf_that_fails_leaves_the_rest_and_says_why(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    found = chapter("switching")
+    checked = chapter("switching")
 
     def make_pdf(path: Path) -> Path:
         raise OutputError(str(path), "does not compile")
 
     for name, instead in {
         "has_latex": lambda: True,
-        "check_chapter": lambda *_: found,
+        "check_chapter": lambda *_: checked,
         "make_pdf": make_pdf,
     }.items():
         monkeypatch.setattr(document, name, instead)

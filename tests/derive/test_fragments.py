@@ -27,10 +27,10 @@ from symosc import grazing_window, residual
 from symosc.cli.app import main
 from symosc.derive import document
 from symosc.derive.fragments import FRAGMENTS, as_latex, check_fragment
-from symosc.derive.latex import latex
 from symosc.derive.scope import LETTERS, fragment_scope
 from symosc.derive.steps import Step, StepError, StepEvidence, flat
 from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.symbolic.latex import latex
 
 #: Damping and stiffness of m = 3/2 and Omega = 7/5 in each regime.
 REGIMES = {
@@ -139,19 +139,19 @@ def formulas(text: str) -> dict[str, str]:
 
     Broken lines are joined.
     """
-    found = {}
+    values = {}
     for display in re.findall(r"\\begin\{align\}(.*?)\\end\{align\}", text, re.DOTALL):
         joined = re.sub(r"\\notag\s*\\\\\s*&(?:\\quad)?", " ", display).replace("_{i}", "_i")
         for row in joined.split(r"\\"):
             left, right = re.sub(r"\\label\{[^{}]*\}|\\tag\{[^{}]*\}", "", row).split("&=", 1)
-            assert left.strip() not in found
-            found[left.strip()] = right.strip()
-    return found
+            assert left.strip() not in values
+            values[left.strip()] = right.strip()
+    return values
 
 
-def read(text: str, given: dict[str, Any]) -> dict[str, complex]:
+def read(text: str, letters: dict[str, Any]) -> dict[str, complex]:
     """Return the value of every formula, each computed when all that it needs is known."""
-    values = {name: complex(value) for name, value in given.items()}
+    values = {name: complex(value) for name, value in letters.items()}
     waiting = formulas(text)
     while waiting:
         done = {}
@@ -173,7 +173,7 @@ def letters_of(p: Parameters, names: list[str]) -> dict[str, Any]:
 @pytest.mark.quick(1)
 @pytest.mark.full(5)
 @pytest.mark.parametrize(
-    ("form", "regime"), [(form, each) for each in REGIMES for form in ("entire", "paper")]
+    ("form", "regime"), [(form, regime) for regime in REGIMES for form in ("entire", "paper")]
 )
 @pytest.mark.usefixtures("unchecked")
 def test_the_equations_of_a_flight(form: str, regime: str) -> None:
@@ -183,14 +183,18 @@ def test_the_equations_of_a_flight(form: str, regime: str) -> None:
     name = ALWAYS.get(regime) or rng.choice(FLIGHTS)
     deciding = ["m", "c", "k", *(["Omega"] if p.c == 0 else [])]
     numbers = rng.choice([deciding, list(PARAMETER_NAMES), [*deciding, "B0", "v1"]])
-    scope = fragment_scope({each: str(getattr(p, each)) for each in numbers}, form=form)
+    scope = fragment_scope(
+        {parameter: str(getattr(p, parameter)) for parameter in numbers}, form=form
+    )
     assert scope.regimes[0].name == regime
     text = as_latex(check_fragment(name, scope), scope)
     start = (rng.uniform(-3, 3), rng.uniform(0, 6))
     end = (rng.uniform(-3, 3), rng.uniform(6, 12))
-    given = letters_of(p, [each for each in PARAMETER_NAMES if each not in numbers])
-    given |= {"x_i": start[0], r"\theta_i": start[1], "x_{i+1}": end[0], r"\theta_{i+1}": end[1]}
-    values = read(text, given)
+    letters = letters_of(
+        p, [parameter for parameter in PARAMETER_NAMES if parameter not in numbers]
+    )
+    letters |= {"x_i": start[0], r"\theta_i": start[1], "x_{i+1}": end[0], r"\theta_{i+1}": end[1]}
+    values = read(text, letters)
     assert (values["f_1"], values["f_2"]) == pytest.approx(
         residual(p, name, start, end), rel=1e-9, abs=1e-9
     )
@@ -205,13 +209,13 @@ def test_the_equations_of_a_stick(name: str) -> None:
     text = as_latex(check_fragment(name, scope), scope, paper_tags=True)
     start = (rng.uniform(-3, 3), 1.0)
     end = (rng.uniform(-3, 3), 2.5)
-    given = letters_of(p, list(PARAMETER_NAMES)) | {
+    letters = letters_of(p, list(PARAMETER_NAMES)) | {
         "x_i": start[0],
         "x_{i+1}": end[0],
         r"\theta_{i+1}": end[1],
     }
-    given[r"\tau"] = (end[1] - start[1]) / float(p.Omega)
-    values = read(text, given)
+    letters[r"\tau"] = (end[1] - start[1]) / float(p.Omega)
+    values = read(text, letters)
     below = {"P1": 1, "P4": 2}[name]
     for domain, way in ((below, "below"), (below + 1, "above")):
         f1, f2 = residual(p, name, start, end, exit=way)
@@ -241,12 +245,12 @@ def test_the_contact_and_the_windows_of_theorem_7(mapping: str) -> None:
             p = p.replace(v1=-9, v2=Fraction(rng.randint(-9, 9), 3))
         window = grazing_window(p, mapping)
         speed = p.belt(window.place.boundary)
-        given = letters_of(p, ["m", "c", "k", "B0", "Omega"]) | {
+        letters = letters_of(p, ["m", "c", "k", "B0", "Omega"]) | {
             r"v_\lambda": speed,
             r"\theta_m": 1.25,
         }
-        given[r"A_\alpha"] = p.A(window.place.domain)
-        values = read(text, given)
+        letters[r"A_\alpha"] = p.A(window.place.domain)
+        values = read(text, letters)
         gamma = values[r"\gamma"].real
         a = values["a"].real
         assert (gamma, a) == pytest.approx((float(window.gamma), float(window.amplitude)))
@@ -307,4 +311,4 @@ def test_latex_takes_all_of_them_in_an_article(tmp_path: Path) -> None:
         ]
         subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
     complaints = document.complaints_of((tmp_path / "mine.log").read_text(encoding="latin-1"))
-    assert not [each for each in complaints if not each.startswith("Overfull")]
+    assert not [line for line in complaints if not line.startswith("Overfull")]

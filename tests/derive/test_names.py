@@ -139,7 +139,8 @@ def test_tex_runs_no_shell_and_writes_no_file_of_others(
     monkeypatch.setenv("shell_escape", "t")
     monkeypatch.setenv("openin_any", "a")
     monkeypatch.setenv("openout_any", "a")
-    folder, made = tmp_path / "document", tmp_path / "made.txt"
+    folder = tmp_path / "document"
+    made = tmp_path / "made.txt"
     folder.mkdir()
     text = (
         "\\documentclass{article}\\begin{document}x "

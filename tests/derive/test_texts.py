@@ -45,7 +45,8 @@ def test_citation_file_and_bibtex_agree() -> None:
     assert [cff("  - ")["name"]] == [author["name"] for author in PROJECT["authors"]]
     people = re.findall(r"family-names: (\w+)\n +given-names: (\w+)", text("CITATION.cff"))
     assert (
-        " and ".join(f"{family}, {given}" for family, given in people) == citation.PAPER["author"]
+        " and ".join(f"{family}, {forenames}" for family, forenames in people)
+        == citation.PAPER["author"]
     )
     assert f"{paper['start']}--{paper['end']}" == citation.PAPER["pages"]
     for name in ("title", "journal", "volume", "year", "issn"):

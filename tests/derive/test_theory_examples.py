@@ -30,7 +30,7 @@ def between(k: Any, Omega: Any, B0: Any) -> Parameters:
 def random_motion(dice: random.Random) -> tuple[Parameters, dict[str, Any]]:
     """Return parameters of any sign and size that the theorem allows, and a start."""
     v1 = dice.choice([0, round(dice.uniform(-2, 2), 2)])
-    given = {
+    settings = {
         "m": round(dice.uniform(0.2, 3), 2),
         "c": dice.choice([0, 0, round(dice.uniform(0, 4), 2)]),
         "k": dice.choice([0, round(dice.uniform(0, 9), 2)]),
@@ -44,7 +44,7 @@ def random_motion(dice: random.Random) -> tuple[Parameters, dict[str, Any]]:
         "FN": round(dice.uniform(0, 5), 2),
     }
     start = {"t0": 0, "x0": round(dice.uniform(-3, 3), 2), "v0": round(dice.uniform(-3, 3), 2)}
-    return Parameters(**given), start
+    return Parameters(**settings), start
 
 
 @pytest.mark.slow
@@ -65,7 +65,7 @@ def test_no_period_has_more_events_than_the_bound(count: int) -> None:
             inside = [
                 belt for t, belt in zip(times, belts, strict=True) if first <= t <= first + period
             ]
-            changes = sum(one != two for one, two in itertools.pairwise(inside))
+            changes = sum(before != after for before, after in itertools.pairwise(inside))
             bound = 3 * (3 + cuts) if len({*inside}) == 1 else 3 * (5 + cuts + changes)
             assert len(inside) <= bound, (seed, p)
             most = max(most, len(inside))
@@ -75,14 +75,14 @@ def test_no_period_has_more_events_than_the_bound(count: int) -> None:
 def test_all_three_events_occur_on_one_side_of_the_critical_phases() -> None:
     """The mass comes from above and passes, returns and sticks, and leaves upwards, while r > 0."""
     p = Parameters(m=1, c=0, k=1, A0=0, B0=10, Omega=1, v1=0, v2=50, mu1="0.3", mu2=0, FN=3)
-    found = 0
+    most = 0
     for phase in np.linspace(pi, 6.2, 20):  # r = -10 sin(theta) > 0
         for x0 in np.linspace(-6, 6, 13):
             events = simulate(p, t0=float(phase), x0=float(x0), v0="0.2", t_end=7).events
             count = sum(event.t <= 2 * pi for event in events)
-            found = max(found, count)
+            most = max(most, count)
             assert count <= 3
-    assert found == 3
+    assert most == 3
 
 
 def test_the_table_counts_as_the_theorem_does() -> None:
@@ -148,7 +148,8 @@ def test_a_third_harmonic_fits_where_the_response_does_not() -> None:
 @pytest.mark.slow
 def test_amplitudes_at_resonance() -> None:
     """Bounded for pi |B0| < 4 S, S = 2/5, and unbounded above."""
-    below, above = between(1, 1, "0.49"), between(1, 1, "0.6")
+    below = between(1, 1, "0.49")
+    above = between(1, 1, "0.6")
     far = {}
     for p in (below, above):
         motion = simulate(p, t0=0, x0=0, v0=0, t_end="400T")

@@ -105,9 +105,9 @@ def test_single_windows_have_the_nearest_doubles() -> None:
 def test_extreme_magnitudes() -> None:
     # k v/(B0 Omega) = 0.3, of numbers whose products no double can hold
     values = np.array([1e-150, 1e-100, 1e40, 1e50])
-    found = grazing_windows(FIG9, "P2", k=values, v1=3e-201, B0=values * 1e-150, Omega=1e-50)
-    assert list(found.kind) == [WRAPPED_ARC] * 4
-    assert found.theta_cr == pytest.approx([-math.asin(0.3)] * 4, rel=1e-14)
+    windows = grazing_windows(FIG9, "P2", k=values, v1=3e-201, B0=values * 1e-150, Omega=1e-50)
+    assert list(windows.kind) == [WRAPPED_ARC] * 4
+    assert windows.theta_cr == pytest.approx([-math.asin(0.3)] * 4, rel=1e-14)
     assert list(
         grazing_windows(FIG9, "P2", k=1e50, v1=1e-300, Omega=1e-50, B0=1e-201).kind[None]
     ) == [EVERYTHING]
@@ -129,7 +129,7 @@ def test_equality_is_decided_for_doubles_and_left_open_for_anything_else() -> No
         full = rng.random() < 0.5
         numbers = [k, v, B, Omega]
         kind, low, high, theta_cr = theorem7_cases.window(
-            *((each, 0.0) for each in numbers), side, full
+            *((value, 0.0) for value in numbers), side, full
         )
         p = (v > 0) - (v < 0)
         q = (B > 0) - (B < 0)
@@ -139,21 +139,20 @@ def test_equality_is_decided_for_doubles_and_left_open_for_anything_else() -> No
             point = math.pi / 2
         else:
             point = 3 * math.pi / 2
-        assert (
-            (low, high) == pytest.approx((point, point))
-            if kind == ALL_BUT_ONE
-            else np.isnan([low, high]).all()
-        )
-        for i, each in enumerate(numbers):
-            rest = rng.choice([-1, 1]) * abs(each) * 2.0**-110
-            pairs = [(other, rest if j == i else 0.0) for j, other in enumerate(numbers)]
+        if kind == ALL_BUT_ONE:
+            assert (low, high) == pytest.approx((point, point))
+        else:
+            assert np.isnan([low, high]).all()
+        for i, value in enumerate(numbers):
+            rest = rng.choice([-1, 1]) * abs(value) * 2.0**-110
+            pairs = [(first, rest if j == i else 0.0) for j, first in enumerate(numbers)]
             assert theorem7_cases.window(*pairs, side, full)[0] == EQUALITY_UNDECIDED
-            rest = rng.choice([-1, 1]) * abs(each) * 2.0**-70  # clear enough for pairs
-            pairs = [(other, rest if j == i else 0.0) for j, other in enumerate(numbers)]
-            more = (1 if rest * each > 0 else -1) * (1 if i < 2 else -1)
-            found = theorem7_cases.window(*pairs, side, full)
-            assert found[0] == window_kind(side, p, q, more, full)
-            assert np.isnan(found[3]) == (more > 0)
+            rest = rng.choice([-1, 1]) * abs(value) * 2.0**-70  # clear enough for pairs
+            pairs = [(first, rest if j == i else 0.0) for j, first in enumerate(numbers)]
+            more = (1 if rest * value > 0 else -1) * (1 if i < 2 else -1)
+            result = theorem7_cases.window(*pairs, side, full)
+            assert result[0] == window_kind(side, p, q, more, full)
+            assert np.isnan(result[3]) == (more > 0)
 
 
 def test_windows_of_random_magnitudes_are_those_of_many_digits() -> None:
@@ -177,7 +176,7 @@ def test_windows_of_random_magnitudes_are_those_of_many_digits() -> None:
         )
         level = Fraction(k) * Fraction(v)
         swing = Fraction(B) * Fraction(Omega)
-        signs = [(each > 0) - (each < 0) for each in (level, swing, abs(level) - abs(swing))]
+        signs = [(number > 0) - (number < 0) for number in (level, swing, abs(level) - abs(swing))]
         assert kind == window_kind(side, *signs, full)
         if signs[2] > 0:
             assert np.isnan([low, high, theta_cr]).all()

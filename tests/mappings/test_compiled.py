@@ -78,12 +78,12 @@ def test_phases_beyond_our_own_sine_use_the_librarys() -> None:
     x_i = np.full(4, 4.5)
     x_j = np.full(4, -4.0)
     theta_j = theta_i + np.array([3.5, 3.5, 3.5, 1.7e6])
-    found = compiled_residual(p, "P2")(x_i, theta_i, x_j, theta_j)
+    residuals = compiled_residual(p, "P2")(x_i, theta_i, x_j, theta_j)
     expected = [
         residual(p, "P2", (a, b), (c, d))
         for a, b, c, d in zip(x_i, theta_i, x_j, theta_j, strict=True)
     ]
-    np.testing.assert_allclose(found, np.transpose(expected), rtol=0, atol=1e-13)
+    np.testing.assert_allclose(residuals, np.transpose(expected), rtol=0, atol=1e-13)
 
 
 @pytest.mark.slow

@@ -46,7 +46,7 @@ def test_residual_and_derivatives_agree_with_mpmath(regime: str, count: int) -> 
         else:
             exit = None
         ends = (z[:2], z[2:], exit)
-        found = (
+        residuals = (
             m.residual(p, label, *ends),
             m.jacobian(p, label, *ends),
             m.parameter_jacobian(p, label, *ends),
@@ -73,7 +73,7 @@ def test_residual_and_derivatives_agree_with_mpmath(regime: str, count: int) -> 
             by_point = zip(*(slope("", n) for n in range(4)), strict=True)
             by_parameter = zip(*(slope(name, -1) for name in PARAMETER_NAMES), strict=True)
             expected = (truth(q, label, exact, exit, lift), list(by_point), list(by_parameter))
-            for what, values, truths, allowed in zip("fJD", found, expected, size, strict=True):
+            for what, values, truths, allowed in zip("fJD", residuals, expected, size, strict=True):
                 pairs = zip(np.ravel(values), np.ravel(truths), np.ravel(allowed), strict=True)
                 for n, (value, true, scale) in enumerate(pairs):
                     bound = ACCURACY * Size(scale).value
@@ -132,12 +132,12 @@ def test_arrays_agree_with_floats(regime: str) -> None:
         )
         for i in np.ndindex(5, 6):
             point = z[(slice(None), *i)].tolist()
-            for found, function in ((f, m.residual), (J, m.jacobian), (D, m.parameter_jacobian)):
+            for values, function in ((f, m.residual), (J, m.jacobian), (D, m.parameter_jacobian)):
                 expected = np.array(function(p, label, point[:2], point[2:]))
-                if found is f:
-                    got = np.array([part[i] for part in found])
+                if values is f:
+                    got = np.array([part[i] for part in values])
                 else:
-                    got = found[(..., *i)]
+                    got = values[(..., *i)]
                 np.testing.assert_allclose(
                     got, expected, rtol=0, atol=1e-12 * (1 + np.abs(expected).max())
                 )
@@ -178,15 +178,15 @@ def test_derivative_of_a_map_is_its_difference(label: str, x: str, theta: str) -
     with mp.workdps(30):
         z = [mp.mpf(x), mp.mpf(theta)]
         h = mp.mpf("1e-9")
-        found = solve_map(p, label, *z)
-        f = m.residual(p, label, z, (found.x, found.theta), found.exit)
+        end = solve_map(p, label, *z)
+        f = m.residual(p, label, z, (end.x, end.theta), end.exit)
         assert max(map(abs, f)) < mp.mpf("1e-26")
-        assert found.derivative is not None
+        assert end.derivative is not None
         for j in (0, 1):
             moved = ([value + s * h * (i == j) for i, value in enumerate(z)] for s in (1, -1))
             up, down = (solve_map(p, label, *start) for start in moved)
-            assert abs((up.x - down.x) / (2 * h) - found.derivative[0, j]) < 1e-14
-            assert abs((up.theta - down.theta) / (2 * h) - found.derivative[1, j]) < 1e-14
+            assert abs((up.x - down.x) / (2 * h) - end.derivative[0, j]) < 1e-14
+            assert abs((up.theta - down.theta) / (2 * h) - end.derivative[1, j]) < 1e-14
 
 
 def test_a_graze_ends_a_map_and_has_no_derivative() -> None:
@@ -196,10 +196,10 @@ def test_a_graze_ends_a_map_and_has_no_derivative() -> None:
         theta = mp.findroot(lambda angle: mp.sin(angle) - angle * mp.cos(angle), 4.4934)
         A0 = mp.nstr(-mp.cos(theta), 45)
     p = Parameters(m=1, c=0, k=0, A0=A0, B0=1, Omega=1, v1=0, v2=9, mu1=0, mu2=0, FN=0)
-    found = solve_map(p, "P3", 2.0, 0.0)
-    assert found.grazing
-    assert found.derivative is None
-    assert found.theta == pytest.approx(float(theta), abs=1e-6)
+    end = solve_map(p, "P3", 2.0, 0.0)
+    assert end.grazing
+    assert end.derivative is None
+    assert end.theta == pytest.approx(float(theta), abs=1e-6)
     assert not solve_map(p.replace(A0="0.21"), "P3", 2.0, 0.0).grazing
 
 
@@ -244,21 +244,23 @@ def test_a_map_is_what_the_equation_of_motion_does(digits: int | None) -> None:
                 return float(q)
             return context.mpf(q.numerator) / q.denominator
 
-        found = solve_map(p, label, number(x), number(theta))
+        solved = solve_map(p, label, number(x), number(theta))
         if digits is None:
             allowed = 1e-9
         else:
             allowed = 1e-18
         with mpmath.workdps(40):
-            assert abs(found.x - event.x) < allowed * (1 + abs(float(event.x)))
+            assert abs(solved.x - event.x) < allowed * (1 + abs(float(event.x)))
             assert (
-                abs(found.theta - event.t * p.Omega.numerator / p.Omega.denominator) < allowed * 100
+                abs(solved.theta - event.t * p.Omega.numerator / p.Omega.denominator)
+                < allowed * 100
             )
         slips = event.kind == "slip"
-        assert found.exit == (
-            None if not slips else "above" if int(event.target[-1]) > event.boundary else "below"
-        )
-        assert not found.grazing
+        side = None
+        if slips:
+            side = "above" if int(event.target[-1]) > event.boundary else "below"
+        assert solved.exit == side
+        assert not solved.grazing
         said.add(label)
         right = MAPS[label]
         for row in (
@@ -286,8 +288,8 @@ def test_derivatives_are_those_of_the_equation_of_motion() -> None:
     h = Fraction(1, 10**9)
     for _ in range(6):
         p, x, theta, label, _ = next(source)
-        found = solve_map(p, label, float(x), float(theta)).derivative
-        assert found is not None
+        slopes = solve_map(p, label, float(x), float(theta)).derivative
+        assert slopes is not None
         belt = MAPS[label].start.boundary
         columns = []
         for dx, dtheta in ((h, 0), (0, h)):
@@ -301,8 +303,8 @@ def test_derivatives_are_those_of_the_equation_of_motion() -> None:
             columns.append(
                 [float((a - b) / (2 * mpmath.mpf(10) ** -9)) for a, b in zip(*ends, strict=True)]
             )
-        size = 1 + np.abs(found).max()
-        assert found == pytest.approx(np.array(columns).T, abs=1e-5 * size)
+        size = 1 + np.abs(slopes).max()
+        assert slopes == pytest.approx(np.array(columns).T, abs=1e-5 * size)
 
 
 def test_derivatives_keep_all_digits() -> None:
@@ -316,10 +318,10 @@ def test_derivatives_keep_all_digits() -> None:
     for label in ("P1", "P4", "P2", "P6"):
         x = context.mpf(1) / 3
         theta = context.mpf(2) / 7
-        found = jacobian(p, label, (x, theta), (context.mpf(-1) / 7, theta + context.mpf(1) / 3))
-        assert found.dtype == object
+        matrix = jacobian(p, label, (x, theta), (context.mpf(-1) / 7, theta + context.mpf(1) / 3))
+        assert matrix.dtype == object
         exact = [
-            entry for entry in found.ravel() if hasattr(entry, "_mpf_") and entry != int(entry)
+            entry for entry in matrix.ravel() if hasattr(entry, "_mpf_") and entry != int(entry)
         ]
         assert len(exact) >= 3
         assert all(entry != float(entry) for entry in exact)
@@ -331,10 +333,10 @@ def test_the_multipliers_of_the_orbits() -> None:
     theta = 4 * 0.1816703979243204630141381
     M = np.eye(2)
     for label in ("P2", "P3"):
-        found = solve_map(p, label, x, theta)
-        assert found.derivative is not None
-        x = found.x
-        theta = found.theta
-        M = found.derivative @ M
+        end = solve_map(p, label, x, theta)
+        assert end.derivative is not None
+        x = end.x
+        theta = end.theta
+        M = end.derivative @ M
     expected = [-0.016802303836361 - 0.069594338756153j, -0.016802303836361 + 0.069594338756153j]
     np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(M)), expected, atol=1e-12)

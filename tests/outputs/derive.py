@@ -19,9 +19,10 @@ from symosc import Scene, load_scene
 from symosc.derive import citation, document, figures, front, mathml, steps
 from symosc.derive.errata import latex_to_unicode, read_errata
 from symosc.derive.fragments import FRAGMENTS, as_latex, check_fragment
-from symosc.derive.latex import latex, lines, named, width
+from symosc.derive.latex import lines, width
 from symosc.derive.scope import Scope, fragment_scope
 from symosc.derive.steps import Step, StepError, StepEvidence, equation, step
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import (
     B0,
     FN,

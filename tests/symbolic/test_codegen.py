@@ -62,7 +62,8 @@ class Case:
             self.mpf(closed.subs(letters).evalf(60)) for closed in regime.basis().values()
         ]
         theta = self.Om * self.t_i
-        self.s0, self.c0 = mpmath.sin(theta), mpmath.cos(theta)
+        self.s0 = mpmath.sin(theta)
+        self.c0 = mpmath.cos(theta)
         self.a0 = kernels.acceleration(
             self.x0, self.v0, self.c0, self.A_m, self.cm, self.w0sq, self.f0
         )
@@ -169,11 +170,11 @@ def test_force_on_a_belt_agrees_with_the_equation_of_motion(regime: s.Regime, se
     case = Case(regime, seed)
     theta = case.Om * case.t_i
     dc = mpmath.cos(theta + case.Om * case.tau) - mpmath.cos(theta)
-    found = kernels.stick_acceleration(case.a0, case.v0, case.tau, dc, case.w0sq, case.f0)
+    held = kernels.stick_acceleration(case.a0, case.v0, case.tau, dc, case.w0sq, case.f0)
     there = case.system() * mpmath.matrix(
         [case.x0 + case.v0 * case.tau, case.v0, case.c0 + dc, 0, 1]
     )
-    assert abs(found - there[1]) < 1e-50 * (1 + abs(case.a0))
+    assert abs(held - there[1]) < 1e-50 * (1 + abs(case.a0))
 
 
 @pytest.mark.quick(3)

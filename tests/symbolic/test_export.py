@@ -153,11 +153,11 @@ def test_python_agrees_with_mpmath_near_critical_damping() -> None:
 
 
 def test_exported_source_runs_without_symosc(tmp_path: Path) -> None:
-    given = by_name(load_scene("fig9").parameters, float)
+    settings = by_name(load_scene("fig9").parameters, float)
     write_export(tmp_path, "P32", "python")
     program = (
         "import sys; sys.modules['symosc'] = sys.modules['numpy'] = None; import p32; "
-        f"K = p32.constants(**{given}); "
+        f"K = p32.constants(**{settings}); "
         "z = [4.154920661325319, 0.7266815916972818, -4.224944664197688, 3.96948575613584, "
         "4.154920661325319, 7.009866898876868]; print(max(map(abs, p32.residual(z, K))))"
     )
@@ -176,7 +176,7 @@ def test_numpy_takes_numbers_and_arrays_that_broadcast() -> None:
             load(export(word, language, "made")["made.py"]) for language in ("numpy", "python")
         )
         p = REGIMES["near critical"]
-        K, scalar_K = (each.constants(**by_name(p, float)) for each in (module, scalar))
+        K, scalar_K = (source.constants(**by_name(p, float)) for source in (module, scalar))
         for shape in ((), (1,), (0,), (3, 2)):
             # Positions are arrays, most phases numbers: what a map does not depend on must not
             # change a shape.

@@ -54,10 +54,10 @@ def text(multiple: Fraction) -> str:
     return f"{multiple.numerator}*pi/{multiple.denominator}"
 
 
-def tried(found: Any, rng: random.Random) -> list[Fraction]:
+def tried(answer: Any, rng: random.Random) -> list[Fraction]:
     """Return the ends of an answer that are fractions, what is next to the others, and random values."""
     values = [Fraction(rng.randint(-40, 40), 7) for _ in range(3)] + [Fraction(0)]
-    for end in found.boundary if found else ():
+    for end in answer.boundary if answer else ():
         if end.is_Rational:
             values.append(Fraction(int(end.p), int(end.q)))
         near = Fraction(str(end.evalf(25)))
@@ -87,25 +87,25 @@ def test_answers_agree_with_the_windows(mapping: str, order: str, count: int) ->
             containing = values_containing(p, mapping, name, theta, order)
             empty = values_empty(p, mapping, name)
             everything = values_everything(p, mapping, name, order)
-            for found, holds in (
+            for answers, holds in (
                 (containing, lambda window, theta=theta: window.contains(theta)),
                 (empty, lambda window: window.kind == EMPTY),
                 (everything, lambda window: window.kind == EVERYTHING),
             ):
-                for value in tried(found, rng):
+                for value in tried(answers, rng):
                     there = changed(p, **{name: value})
                     if there is None:
                         continue
                     window = grazing_window(there, mapping, order)
-                    assert (Rational(value) in found) == holds(window), (
+                    assert (Rational(value) in answers) == holds(window), (
                         p,
                         name,
                         value,
                         theta,
-                        found,
+                        answers,
                     )
                     ends_that_belong += (
-                        Rational(value) in found and Rational(value) in found.boundary
+                        Rational(value) in answers and Rational(value) in answers.boundary
                     )
     assert ends_that_belong > count
 
@@ -131,8 +131,8 @@ def test_answers_with_letters(mapping: str, name: str, order: str, count: int) -
         p = parameters(rng)
         theta = pi * Rational(rng.choice([0, 1, 3, 7, 9, 9, 11]), 6)
         values = {
-            QUERY_LETTERS[each]: Rational(getattr(p, each))
-            for each in ("k", "B0", "Omega", "v1", "v2")
+            QUERY_LETTERS[parameter]: Rational(getattr(p, parameter))
+            for parameter in ("k", "B0", "Omega", "v1", "v2")
         }
         values |= {QUERY_LETTERS["v"]: Rational(getattr(p, belt(mapping))), THETA: theta}
         for question, answers in zip(questions, lettered, strict=True):
@@ -164,9 +164,9 @@ def intervals(rng: random.Random) -> tuple[Any, list[Fraction], list[Fraction]]:
     open_ends = rng.random() < 0.4, rng.random() < 0.4
     ends = [Rational(end.numerator, end.denominator) * pi for end in (low, low + length)]
     if any(open_ends) or rng.random() < 0.3:
-        given = Interval(*ends, *open_ends)
+        phases = Interval(*ends, *open_ends)
     else:
-        given = tuple(ends)
+        phases = tuple(ends)
     inside = [low + length * Fraction(i, 12) for i in range(1, 12)]
     quarters = [Fraction(i, 2) for i in range(-4, 12)]
     inside += [phase for phase in quarters if low < phase < low + length]
@@ -174,7 +174,7 @@ def intervals(rng: random.Random) -> tuple[Any, list[Fraction], list[Fraction]]:
         end for end, is_open in zip((low, low + length), open_ends, strict=True) if not is_open
     ]
     near = [length * Fraction(1, 10**digits) for digits in (3, 7, 14, 30)]
-    return given, inside, [low + step for step in near] + [low + length - step for step in near]
+    return phases, inside, [low + step for step in near] + [low + length - step for step in near]
 
 
 @pytest.mark.full(3)
@@ -189,16 +189,16 @@ def test_intervals_of_phases(mapping: str, order: str) -> None:
     for _ in range(14):
         p = parameters(rng)
         name = rng.choice(["Omega", "B0", "k", belt(mapping)])
-        given, inside, near = intervals(rng)
-        found = values_containing(p, mapping, name, given, order)
-        for value in tried(found, rng):
+        phases, inside, near = intervals(rng)
+        values = values_containing(p, mapping, name, phases, order)
+        for value in tried(values, rng):
             there = changed(p, **{name: value})
             if there is None:
-                assert value not in found
+                assert value not in values
                 continue
             window = grazing_window(there, mapping, order)
             everywhere = all(window.contains(text(phase)) for phase in inside + near)
-            assert (value in found) == everywhere, (p, mapping, name, given, value)
+            assert (value in values) == everywhere, (p, mapping, name, phases, value)
             yes = yes + everywhere
             no = no + (not everywhere)
     assert min(yes, no) > 8
@@ -216,14 +216,14 @@ def test_regions_of_two_parameters(mapping: str, order: str) -> None:
     for names in pairs:
         p = parameters(rng)
         theta = Fraction(rng.choice([0, 1, 3, 5, 7, 9, 9, 3]), 6)
-        given, inside, near = intervals(rng)
+        phases, inside, near = intervals(rng)
         questions = [
             (
                 values_containing(p, mapping, names, text(theta), order),
                 lambda w, t=theta: w.contains(text(t)),
             ),
             (
-                values_containing(p, mapping, names, given, order),
+                values_containing(p, mapping, names, phases, order),
                 lambda w, some=(*inside, *near): all(w.contains(text(t)) for t in some),
             ),
             (values_empty(p, mapping, names), lambda w: w.kind == EMPTY),
@@ -239,8 +239,14 @@ def test_regions_of_two_parameters(mapping: str, order: str) -> None:
                 refused(ask, next(iter(_refusing(p, values))))
                 continue
             window = grazing_window(there, mapping, order)
-            for found, holds in questions:
-                assert found.contains(**values) == holds(window), (p, mapping, names, values, found)
+            for region, holds in questions:
+                assert region.contains(**values) == holds(window), (
+                    p,
+                    mapping,
+                    names,
+                    values,
+                    region,
+                )
                 yes = yes + holds(window)
                 no = no + (not holds(window))
     assert min(yes, no) > 4
@@ -263,8 +269,8 @@ def test_answers_agree_with_the_exact_flow(mapping: str) -> None:
         p = parameters(rng)
         name = rng.choice(["Omega", "B0", "k", belt(mapping)])
         theta = Fraction(rng.randint(0, 11), 6)
-        found = values_containing(p, mapping, name, text(theta))
-        for value in tried(found, rng):
+        values = values_containing(p, mapping, name, text(theta))
+        for value in tried(values, rng):
             there = changed(p, **{name: value})
             if (
                 there is None
@@ -277,13 +283,13 @@ def test_answers_agree_with_the_exact_flow(mapping: str) -> None:
                 ways.fine.context.pi * theta.numerator / theta.denominator
             )
             if verdict:
-                assert (verdict == YES) == (value in found), (there, mapping, name, theta)
+                assert (verdict == YES) == (value in values), (there, mapping, name, theta)
                 seen[verdict == YES] += 1
 
 
 def test_a_symbol_is_no_value() -> None:
-    found = values_containing(FIG9, "P2", "Omega", "pi/3")
-    refused(lambda: sp.Symbol("Omega") in found, "Omega")
+    values = values_containing(FIG9, "P2", "Omega", "pi/3")
+    refused(lambda: sp.Symbol("Omega") in values, "Omega")
 
 
 def test_each_comparison_is_decided_with_numbers() -> None:

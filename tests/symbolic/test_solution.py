@@ -81,8 +81,8 @@ def test_g_functions_by_recurrence(order: int) -> None:
         before = s.g_function(order - 2)
     else:
         before = s.v
-    found = s.next_derivative(s.g_function(order - 1), before, s.forcing(order))
-    assert sp.expand(found - s.g_function(order)) == 0
+    derived = s.next_derivative(s.g_function(order - 1), before, s.forcing(order))
+    assert sp.expand(derived - s.g_function(order)) == 0
 
 
 def test_g_functions_are_the_derivatives_of_the_flow() -> None:

@@ -109,11 +109,13 @@ def test_full_order_adds_the_tangency_of_fourth_order_and_nothing_else(
     else:
         graze = level < 0
     assert full == (CIRCLE if graze else S.EmptySet)
-    assert full - first == (
-        sp.FiniteSet(pi / 2 if amplitude * level < 0 else 3 * pi / 2) if graze else S.EmptySet
-    )
-    for other in (3, 0, -3, 7, -7):
-        assert theorem7(mapping, other, amplitude) == printed(mapping, other, amplitude)
+    if amplitude * level < 0:
+        touched = pi / 2
+    else:
+        touched = 3 * pi / 2
+    assert full - first == (sp.FiniteSet(touched) if graze else S.EmptySet)
+    for swing in (3, 0, -3, 7, -7):
+        assert theorem7(mapping, swing, amplitude) == printed(mapping, swing, amplitude)
 
 
 LINES = (gamma, a, gamma - a, gamma + a)
@@ -173,13 +175,13 @@ def test_exactly_one_case_holds_everywhere(mapping: str, order: str) -> None:
     ],
 )
 def test_algebraic_and_other_real_numbers(level: Any, amplitude: Any, expected: Any) -> None:
-    found = printed("P2", level, amplitude)
+    text = printed("P2", level, amplitude)
     if expected is None:
         cut = asin(Rational(level, amplitude))
         expected = sp.Union(
             Interval.Ropen(0, pi + cut), Interval.open(2 * pi - cut, 2 * pi), evaluate=False
         )
-    assert found == expected
+    assert text == expected
 
 
 def test_signs_that_need_many_digits() -> None:

@@ -9,7 +9,6 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import MU, newton
-from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, Scope, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
@@ -29,6 +28,7 @@ from symosc.model import Parameters
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, FN, Omega, c, cm, k, m, t, tau, theta, w0sq
 
 TITLE = "Events do not accumulate"
@@ -65,11 +65,9 @@ def items(scope: Scope) -> Items:
         r"For $c > 0$ and $k > 0$ the settled motion stays in a fixed ball "
         r"(Theorem~\ref{thm:orbits-unique}), so its events per period are bounded, uniformly on "
         r"each compact set of parameters with $v_1 < v_2$ and $\Omega > 0$: only finitely many "
-        r"words "
-        r"occur there. Over all times events may be infinitely many, and sticks may become shorter "
-        r"without end, as in the paper's Fig.~8. That is no accumulation, as they lie half a "
-        r"period "
-        r"apart.",
+        r"words occur there. Over all times events may be infinitely many, and sticks may become "
+        r"shorter without end, as in the paper's Fig.~8. That is no accumulation, as they lie half "
+        r"a period apart.",
         r"\begin{remark}[what rests on it]\label{thm:accumulation-used} That a word is a finite "
         r"sequence and each motion has one (Definition~\ref{thm:borders-border}); that the "
         r"monodromy matrix is a product of finitely many factors "
@@ -104,8 +102,7 @@ def _forces(scope: Scope) -> Items:
         r"friction and no drive included.",
         r"\begin{definition}[event]\label{thm:accumulation-event} An \emph{event} of a motion at "
         r"belt $\lambda$ is a time at which $\dot{x} = v_\lambda$, but not during some time before "
-        r"and after it: a passage, the beginning or the end of a stick, or a "
-        r"touch.\end{definition}",
+        r"and after it: a passage, the beginning or the end of a stick, or a touch.\end{definition}",
         r"\begin{lemma}[forces near a belt]\label{thm:accumulation-forces} Let $g = \dot{x} - "
         r"v_\lambda$, let $U$ be the acceleration $F^{(\lambda)}$ taken at the position and the "
         r"time of the motion, but at the speed of the belt, and $J = 2\mu_\lambda F_N/m \ge 0$. As "
@@ -279,7 +276,7 @@ def busiest_period(scene: str) -> tuple[int, set[int], int]:
     for first, _ in events:
         inside = [belt for when, belt in events if first <= when <= first + period]
         if len(inside) > most[0]:
-            changes = sum(one != two for one, two in pairwise(inside))
+            changes = sum(before != after for before, after in pairwise(inside))
             most = (len(inside), set(inside), changes)
     return most
 

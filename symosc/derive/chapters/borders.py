@@ -10,7 +10,6 @@ import sympy as sp
 
 from symosc.derive.chapters.exponents import lengths
 from symosc.derive.chapters.motion import MU, newton
-from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, G, Scope, mu_lambda, stated, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
@@ -31,6 +30,7 @@ from symosc.orbits.branch import continue_orbit
 from symosc.reference.cases import wall
 from symosc.scenes import load_scene
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, FN, A, Omega, c, k, m, t, theta
 
 TITLE = "Borders between words"
@@ -57,25 +57,22 @@ def items(scope: Scope) -> Items:
     touched = named(r"\sin\theta_m")
     place = named("x_m")
     still = {touched: sp.solve(rate.subs(sp.sin(theta), touched), touched)[0]}
-    found = sp.solve(on_belt, solution.x_i)[0].subs(theta, named(r"\theta_m"))
+    position = sp.solve(on_belt, solution.x_i)[0].subs(theta, named(r"\theta_m"))
     # The letters of a belt with friction.
     yield (
         r"\subsection{What a border is}",
-        r"\begin{definition}[border]\label{thm:borders-border} Consider a periodic motion with "
-        r"the period of the "
-        r"drive, "
-        r"one that is no rest. Its \emph{word} is the sequence of its mappings, which is finite by "
-        r"Theorem~\ref{thm:accumulation-finite}. A \emph{border} is a set of parameters "
-        r"for which it is not regular (Definition~\ref{thm:jacobians-regular}).\end{definition}",
-        r"On a border the equations of a word still hold, and one of these inequalities has "
-        r"become an equality: in a "
-        r"plane of two parameters this is a curve. Four cases are possible "
-        r"(Table~\ref{tab:borders-names}). Their "
-        r"names are those of \cite{dibernardo2002,dibernardo2008,kowalczyk2008}; sliding is what "
-        r"is called sticking "
+        r"\begin{definition}[border]\label{thm:borders-border} Consider a periodic motion with the "
+        r"period of the drive, one that is no rest. Its \emph{word} is the sequence of its "
+        r"mappings, which is finite by Theorem~\ref{thm:accumulation-finite}. A \emph{border} is a "
+        r"set of parameters for which it is not regular "
+        r"(Definition~\ref{thm:jacobians-regular}).\end{definition}",
+        r"On a border the equations of a word still hold, and one of these inequalities has become "
+        r"an equality: in a plane of two parameters this is a curve. Four cases are possible "
+        r"(Table~\ref{tab:borders-names}). Their names are those of "
+        r"\cite{dibernardo2002,dibernardo2008,kowalczyk2008}; sliding is what is called sticking "
         r"here. Let $F^{(\alpha)}$ be what vanishes.",
-        r"\begin{theorem}[four borders]\label{thm:borders-names} "
-        r"Let $\mu_\lambda F_N > 0$. If $F^{(\lambda)} = 0$ at a contact with belt $\lambda$, then",
+        r"\begin{theorem}[four borders]\label{thm:borders-names} Let $\mu_\lambda F_N > 0$. If "
+        r"$F^{(\lambda)} = 0$ at a contact with belt $\lambda$, then",
         equation(F(UPPER), jump, _across_each_belt(UPPER, 1), "other"),
         r"and if $F^{(\lambda+1)} = 0$ then",
         equation(F(LOWER), -jump, _across_each_belt(LOWER, -1)),
@@ -85,111 +82,81 @@ def items(scope: Scope) -> Items:
             0,
             sign(),
         ),
-        r"so the acceleration of the other side always pushes towards the belt. Along the flow "
-        r"of $\Omega_\alpha$ and "
-        r"along the belt $F^{(\alpha)}$ has the same rate there,",
+        r"so the acceleration of the other side always pushes towards the belt. Along the flow of "
+        r"$\Omega_\alpha$ and along the belt $F^{(\alpha)}$ has the same rate there,",
         equation(G(1), RATE - c * F(r"\alpha") / m, same, "rate"),
         r"and the sign of this rate, $-(\gamma + a\sin\theta)$ with the letters of "
-        r"Lemma~\ref{thm:grazing-contact}, "
-        r"decides:\begin{enumerate}\item[(i)] A flight touches a belt on its way: it grazes the "
-        r"boundary of the part "
-        r"of the belt that holds the mass. Beyond the border it sticks there "
-        r"(\emph{grazing-sliding}).\item[(ii)] A "
-        r"passage into $\Omega_\alpha$ has $F^{(\alpha)} = 0$, and the rate takes $F^{(\alpha)}$ "
-        r"to the side that lets "
-        r"the mass go: beyond the border there is a short stick "
-        r"(\emph{crossing-sliding}).\item[(iii)] A passage into "
-        r"$\Omega_\alpha$ has $F^{(\alpha)} = 0$, and the rate takes it to the side that holds: "
-        r"on one side of the "
-        r"border the mass sticks at once, on the other after a short flight "
-        r"(\emph{switching-sliding}).\item[(iv)] "
+        r"Lemma~\ref{thm:grazing-contact}, decides:\begin{enumerate}\item[(i)] A flight touches a "
+        r"belt on its way: it grazes the boundary of the part of the belt that holds the mass. "
+        r"Beyond the border it sticks there (\emph{grazing-sliding}).\item[(ii)] A passage into "
+        r"$\Omega_\alpha$ has $F^{(\alpha)} = 0$, and the rate takes $F^{(\alpha)}$ to the side "
+        r"that lets the mass go: beyond the border there is a short stick "
+        r"(\emph{crossing-sliding}).\item[(iii)] A passage into $\Omega_\alpha$ has $F^{(\alpha)} "
+        r"= 0$, and the rate takes it to the side that holds: on one side of the border the mass "
+        r"sticks at once, on the other after a short flight (\emph{switching-sliding}).\item[(iv)] "
         r"During a stick $F^{(\alpha)}$ reaches 0 and returns: beyond the border a slip divides "
-        r"the stick in two "
-        r"(\emph{adding-sliding} or \emph{multisliding}). Phase and place are then known "
-        r"beforehand, for $B_0 \ne 0$:",
+        r"the stick in two (\emph{adding-sliding} or \emph{multisliding}). Phase and place are "
+        r"then known beforehand, for $B_0 \ne 0$:",
         equation(touched, -k * v_lambda / (B0 * Omega), still, "phase"),
-        equation(place, (A + B0 * sp.cos(named(r"\theta_m")) - c * v_lambda) / k, found, "place"),
+        equation(
+            place, (A + B0 * sp.cos(named(r"\theta_m")) - c * v_lambda) / k, position, "place"
+        ),
         r"\end{enumerate}\end{theorem}",
-        r"\begin{proof} \eqref{eq:borders-other} is Lemma~\ref{thm:motion-jump}; so no flight "
-        r"that touches a belt may "
-        r"pass it, and close to a touch both sides hold the mass. \eqref{eq:borders-rate} are "
-        r"\eqref{eq:switching-g1} "
-        r"and \eqref{eq:sticks-rate}, and its last term vanishes. What follows a contact with a "
-        r"small $F^{(\alpha)}$ "
-        r"of either sign is Theorem~\ref{thm:switching-cases}, and how long it lasts "
-        r"\eqref{eq:exponents-graze} to "
-        r"\eqref{eq:exponents-interrupted-slip}. In (iv) both $F^{(\alpha)}$ and its rate "
-        r"vanish, which fixes the "
-        r"phase by "
-        r"\eqref{eq:sticks-rate} and the place by \eqref{eq:motion-acceleration}.\end{proof}",
+        r"\begin{proof} \eqref{eq:borders-other} is Lemma~\ref{thm:motion-jump}; so no flight that "
+        r"touches a belt may pass it, and close to a touch both sides hold the mass. "
+        r"\eqref{eq:borders-rate} are \eqref{eq:switching-g1} and \eqref{eq:sticks-rate}, and its "
+        r"last term vanishes. What follows a contact with a small $F^{(\alpha)}$ of either sign is "
+        r"Theorem~\ref{thm:switching-cases}, and how long it lasts \eqref{eq:exponents-graze} to "
+        r"\eqref{eq:exponents-interrupted-slip}. In (iv) both $F^{(\alpha)}$ and its rate vanish, "
+        r"which fixes the phase by \eqref{eq:sticks-rate} and the place by "
+        r"\eqref{eq:motion-acceleration}.\end{proof}",
         _names_table(),
         r"If $\mu_\lambda F_N = 0$ there is no belt, and (i) is no border of motions. Where the "
-        r"mass may rest on a "
-        r"belt at rest (Theorem~\ref{thm:orbits-unique}) there is no word; the border of that "
-        r"region is $|B_0| = "
-        r"\mu_\lambda F_N$, and is known beforehand.",
+        r"mass may rest on a belt at rest (Theorem~\ref{thm:orbits-unique}) there is no word; the "
+        r"border of that region is $|B_0| = \mu_\lambda F_N$, and is known beforehand.",
         _examples_table(),
         r"Motions that are their own mirror image have their contacts in pairs. Then two "
-        r"inequalities become "
-        r"equalities at once on a border; it is no point of codimension two.",
+        r"inequalities become equalities at once on a border; it is no point of codimension two.",
         r"\subsection{Points of codimension two}",
         r"Where two of the four conditions hold at different contacts, two borders cross. Where "
-        r"they hold at one "
-        r"contact, borders end or change their name: crossing-sliding becomes switching-sliding "
-        r"where $F^{(\alpha)} = "
-        r"0$ and its rate vanish together. For a belt at rest, $v_\lambda = 0$, that is at",
+        r"they hold at one contact, borders end or change their name: crossing-sliding becomes "
+        r"switching-sliding where $F^{(\alpha)} = 0$ and its rate vanish together. For a belt at "
+        r"rest, $v_\lambda = 0$, that is at",
         equation(touched, 0, {touched: still[touched].subs(v_lambda, 0)}, "rest"),
-        r"so the mass turns when the drive is largest in size. For $c = 0$ these points are "
-        r"known in closed form "
-        r"(Proposition~\ref{thm:undamped-points}). Chapter~\ref{sec:codimension} lists all "
-        r"such points and what "
-        r"surrounds them, and Chapter~\ref{sec:corrections} has the maps and the multipliers at "
-        r"a border.",
+        r"so the mass turns when the drive is largest in size. For $c = 0$ these points are known "
+        r"in closed form (Proposition~\ref{thm:undamped-points}). Chapter~\ref{sec:codimension} "
+        r"lists all such points and what surrounds them, and Chapter~\ref{sec:corrections} has the "
+        r"maps and the multipliers at a border.",
     )
     yield (
         r"\subsection{Why an atlas is complete}",
         r"An \emph{atlas} is a connected region of a plane of two parameters with its borders "
-        r"drawn and a word named "
-        r"in each part between them.",
+        r"drawn and a word named in each part between them.",
         r"\begin{theorem}[atlas]\label{thm:borders-atlas} Let $c > 0$ and $k > 0$ in the region, "
-        r"and let no belt at "
-        r"rest have $|B_0| \le \mu_\lambda F_N$ there.\begin{enumerate}\item[(i)] For each point "
-        r"there is one periodic "
-        r"motion, it attracts all others, and it depends continuously on the parameters, across "
-        r"borders "
+        r"and let no belt at rest have $|B_0| \le \mu_\lambda F_N$ "
+        r"there.\begin{enumerate}\item[(i)] For each point there is one periodic motion, it "
+        r"attracts all others, and it depends continuously on the parameters, across borders "
         r"too.\item[(ii)] Between the borders the word is constant: one motion per part decides "
-        r"it, wherever it "
-        r"starts. The atlas is complete if all borders are drawn.\item[(iii)] Where a periodic "
-        r"motion of a word is "
-        r"proven to be regular for all parameters of a box, the box meets no border, and the "
-        r"word is that of the "
-        r"motion that settles at each of its points.\end{enumerate}\end{theorem}",
+        r"it, wherever it starts. The atlas is complete if all borders are drawn.\item[(iii)] "
+        r"Where a periodic motion of a word is proven to be regular for all parameters of a box, "
+        r"the box meets no border, and the word is that of the motion that settles at each of its "
+        r"points.\end{enumerate}\end{theorem}",
         r"\begin{proof} (i) Existence, uniqueness and attraction are "
-        r"Theorem~\ref{thm:orbits-unique}. Let parameters "
-        r"$p_n$ tend to $p$, with the periodic motions $x_n$. These are bounded together with "
-        r"their first two "
-        r"derivatives, uniformly in $n$, because the ball in the proof of that theorem depends "
-        r"continuously on the "
+        r"Theorem~\ref{thm:orbits-unique}. Let parameters $p_n$ tend to $p$, with the periodic "
+        r"motions $x_n$. These are bounded together with their first two derivatives, uniformly in "
+        r"$n$, because the ball in the proof of that theorem depends continuously on the "
         r"parameters. So a part of them converges with the velocities, to a motion of $p$ since "
-        r"the right side of "
-        r"\eqref{eq:motion-newton} is closed and convex. The limit is periodic, hence the only "
-        r"periodic motion of $p$, "
-        r"and as every part has a part with this limit all $x_n$ tend to it. (ii) If the motion "
-        r"of $p$ is regular, "
-        r"each event is a simple zero of a smooth function of the state before it, and all other "
-        r"inequalities are "
-        r"strict. By the implicit function theorem motions that start nearby, with nearby "
-        r"parameters, have the same "
-        r"events over a period, and by (i) the periodic one does start nearby. So the word is "
-        r"constant near $p$, and "
-        r"on each connected part without borders. (iii) By Theorem~\ref{thm:orbits-unique} the "
-        r"proven motion is the "
-        r"one that attracts.\end{proof}",
+        r"the right side of \eqref{eq:motion-newton} is closed and convex. The limit is periodic, "
+        r"hence the only periodic motion of $p$, and as every part has a part with this limit all "
+        r"$x_n$ tend to it. (ii) If the motion of $p$ is regular, each event is a simple zero of a "
+        r"smooth function of the state before it, and all other inequalities are strict. By the "
+        r"implicit function theorem motions that start nearby, with nearby parameters, have the "
+        r"same events over a period, and by (i) the periodic one does start nearby. So the word is "
+        r"constant near $p$, and on each connected part without borders. (iii) By "
+        r"Theorem~\ref{thm:orbits-unique} the proven motion is the one that attracts.\end{proof}",
         r"What is left to chance is a border that nobody has met, such as a small closed curve "
-        r"inside a part. Boxes "
-        r"that are proven by (iii) exclude it; what they do not cover has to be given as an "
-        r"area. For $c = 0$ the "
-        r"theorem does not hold: several motions may exist "
+        r"inside a part. Boxes that are proven by (iii) exclude it; what they do not cover has to "
+        r"be given as an area. For $c = 0$ the theorem does not hold: several motions may exist "
         r"(Corollary~\ref{thm:undamped-survives}).",
     )
 
@@ -225,11 +192,9 @@ def _names_table() -> Table:
     return Table(
         "tab:borders-names",
         r"The four borders: what becomes 0; how long what is born lasts, to leading order, at a "
-        r"distance $\epsilon$ "
-        r"from the border, by \eqref{eq:exponents-graze} to "
-        r"\eqref{eq:exponents-interrupted-slip}; and how this "
-        r"package names the end of a branch there, on the side of the shorter and of the longer "
-        r"word.",
+        r"distance $\epsilon$ from the border, by \eqref{eq:exponents-graze} to "
+        r"\eqref{eq:exponents-interrupted-slip}; and how this package names the end of a branch "
+        r"there, on the side of the shorter and of the longer word.",
         ("name", "what", "length", "shorter word", "longer word"),
         rows,
     )

@@ -8,9 +8,9 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import Items, Step, equation, exact, facts, sign, step
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta
 
 TITLE = "Certificates"
@@ -36,255 +36,184 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{What a ball proves}",
         r"A \emph{ball} is an interval of real numbers. Arithmetic with balls returns balls that "
-        r"contain every result "
-        r"for numbers in the operands, rounding included; arb \cite{johansson2017} does so for "
-        r"exponentials, sines and "
-        r"cosines with any number of bits. A sign is certain if a ball does not contain 0. A "
-        r"certificate is a list of "
-        r"such signs. What they prove is the subject of this chapter. \cite{tucker2011, "
-        r"neumaier1990}",
+        r"contain every result for numbers in the operands, rounding included; arb "
+        r"\cite{johansson2017} does so for exponentials, sines and cosines with any number of "
+        r"bits. A sign is certain if a ball does not contain 0. A certificate is a list of such "
+        r"signs. What they prove is the subject of this chapter. \cite{tucker2011, neumaier1990}",
         r"\begin{theorem}[Krawczyk and Moore, \cite{krawczyk1969, "
-        r"moore1977}]\label{thm:certificates-krawczyk} "
-        r"Let $f$ be continuously differentiable on a box $X$ with the middle $c$, let the ball "
-        r"matrix $J$ contain "
-        r"$f'(x)$ for all $x \in X$, and let $Y$ be a matrix. If $K = c - Y f(c) + (1 - Y J)(X - "
-        r"c)$ lies inside $X$, "
-        r"then $f$ has exactly one zero in $X$, and it lies in $K$.\end{theorem}",
+        r"moore1977}]\label{thm:certificates-krawczyk} Let $f$ be continuously differentiable on a "
+        r"box $X$ with the middle $c$, let the ball matrix $J$ contain $f'(x)$ for all $x \in X$, "
+        r"and let $Y$ be a matrix. If $K = c - Y f(c) + (1 - Y J)(X - c)$ lies inside $X$, then "
+        r"$f$ has exactly one zero in $X$, and it lies in $K$.\end{theorem}",
         r"\begin{proof} The map $\Phi(x) = x - Y f(x)$ has the derivative $1 - Y f'(x)$. By the "
-        r"mean value theorem in "
-        r"each component $\Phi(X) \subset \Phi(c) + (1 - Y J)(X - c) = K \subset X$. By "
-        r"Brouwer's theorem $\Phi$ has a "
-        r"fixed point in $X$, and it lies in $K$. $K$ is inside $X$, so all matrices in $1 - Y "
-        r"J$ shrink the box "
-        r"$X - c$ strictly, in the norm whose ball it is. So $Y$ and all matrices in $J$ are "
-        r"regular, fixed points of "
-        r"$\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is "
-        r"only one.\end{proof}",
+        r"mean value theorem in each component $\Phi(X) \subset \Phi(c) + (1 - Y J)(X - c) = K "
+        r"\subset X$. By Brouwer's theorem $\Phi$ has a fixed point in $X$, and it lies in $K$. "
+        r"$K$ is inside $X$, so all matrices in $1 - Y J$ shrink the box $X - c$ strictly, in the "
+        r"norm whose ball it is. So $Y$ and all matrices in $J$ are regular, fixed points of "
+        r"$\Phi$ are zeros of $f$, and $\Phi$ is a contraction: by Banach's theorem there is only "
+        r"one.\end{proof}",
         facts(equation((x - y * f).diff(x), 1 - y * f.diff(x), exact())),
-        r"\begin{theorem}[interval Newton]\label{thm:certificates-newton} "
-        r"Let $P$ be continuously differentiable on $X = c + E$ and the ball matrix $D$ contain "
-        r"all its derivatives. "
-        r"If all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - "
-        r"c$ lie inside $E$, "
-        r"then $P$ has exactly one fixed point in $X$, and it lies in $c + w$.\end{theorem}",
+        r"\begin{theorem}[interval Newton]\label{thm:certificates-newton} Let $P$ be continuously "
+        r"differentiable on $X = c + E$ and the ball matrix $D$ contain all its derivatives. If "
+        r"all $1 - M$ with $M \in D$ are regular and the solutions $w$ of $(1 - M) w = P(c) - c$ "
+        r"lie inside $E$, then $P$ has exactly one fixed point in $X$, and it lies in $c + "
+        r"w$.\end{theorem}",
         r"\begin{proof} For $u \in E$ there is $M(u) \in D$, continuous in $u$, with $P(c + u) = "
-        r"P(c) + M(u) u$: the "
-        r"mean of the derivative along the segment. The map $u \mapsto (1 - M(u))^{-1}(P(c) - "
-        r"c)$ takes $E$ into "
-        r"itself, so it has a fixed point by Brouwer's theorem, and that is a fixed point of "
-        r"$P$. Two of them would "
-        r"differ by a vector $d$ with $(1 - M) d = 0$ for some $M \in D$.\end{proof}",
+        r"P(c) + M(u) u$: the mean of the derivative along the segment. The map $u \mapsto (1 - "
+        r"M(u))^{-1}(P(c) - c)$ takes $E$ into itself, so it has a fixed point by Brouwer's "
+        r"theorem, and that is a fixed point of $P$. Two of them would differ by a vector $d$ with "
+        r"$(1 - M) d = 0$ for some $M \in D$.\end{proof}",
         r"\subsection{Motions: every event is the next one}",
         r"Between events the motion is a closed form (Table~\ref{tab:domains-regimes}), so balls "
-        r"enclose it for all "
-        r"times in a ball. In a bounded time it has finitely many events "
-        r"(Theorem~\ref{thm:accumulation-finite}). Two ways show that nothing "
-        r"happens before an event. One uses the gap of "
-        r"Lemma~\ref{thm:events-gap}, between the critical phases; the other needs no critical "
-        r"phases.",
-        r"\begin{lemma}[a straightened gap]\label{thm:certificates-height} "
-        r"On a piece of time from $u = 0$, shorter than $\pi/(2\omega_d)$ if $c^2 < 4km$, let "
-        r"$C'' = \kappa C$, "
-        r"$S'' = \kappa S$, $C(0) = S'(0) = 1$, $C'(0) = S(0) = 0$ with $h = c/2m$, $\kappa = "
-        r"h^2 - k/m$. As a "
-        r"function of $s = S/C$, $H = e^{hu} g/C$ has $d^2 H/ds^2 = C^3 e^{hu} L g$. So between "
-        r"critical phases it is "
-        r"convex or concave.\end{lemma}",
-        r"\begin{proof} Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 "
-        r"= 1/C^2$ it is "
-        r"$dH/ds = C^2 q'$ and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = e^{-hu} (C q'' "
-        r"+ 2 C' q')$.",
-        facts(*(each for wave in (sp.cos, sp.cosh) for each in _gap_facts(wave))),
+        r"enclose it for all times in a ball. In a bounded time it has finitely many events "
+        r"(Theorem~\ref{thm:accumulation-finite}). Two ways show that nothing happens before an "
+        r"event. One uses the gap of Lemma~\ref{thm:events-gap}, between the critical phases; the "
+        r"other needs no critical phases.",
+        r"\begin{lemma}[a straightened gap]\label{thm:certificates-height} On a piece of time from "
+        r"$u = 0$, shorter than $\pi/(2\omega_d)$ if $c^2 < 4km$, let $C'' = \kappa C$, $S'' = "
+        r"\kappa S$, $C(0) = S'(0) = 1$, $C'(0) = S(0) = 0$ with $h = c/2m$, $\kappa = h^2 - k/m$. "
+        r"As a function of $s = S/C$, $H = e^{hu} g/C$ has $d^2 H/ds^2 = C^3 e^{hu} L g$. So "
+        r"between critical phases it is convex or concave.\end{lemma}",
+        r"\begin{proof} Write $g = e^{-hu} C q$, so that $H = q$. With $ds/du = (S'C - SC')/C^2 = "
+        r"1/C^2$ it is $dH/ds = C^2 q'$ and $d^2 H/ds^2 = C^3 (C q'' + 2 C' q')$, while $L g = "
+        r"e^{-hu} (C q'' + 2 C' q')$.",
+        facts(*(fact for wave in (sp.cos, sp.cosh) for fact in _gap_facts(wave))),
         r"The sign of $L g$ is that of Lemma~\ref{thm:events-gap}, and $C > 0$ on the "
         r"piece.\end{proof}",
-        r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex "
-        r"with tangents at the "
-        r"ends that meet above 0; else the piece is cut. Opposite signs mean one zero, which "
-        r"interval Newton encloses. "
-        r"On a belt both forces are monotone between critical phases (Section~\ref{sec:sticks}).",
-        r"\begin{lemma}[steps without critical phases]\label{thm:certificates-steps} "
-        r"Let $g$ be twice differentiable for times from $a$ to $b$, with $g(a) > 0$, or $a$ a "
-        r"start on the belt. Then "
-        r"$g > 0$ up to $b$ if for all these times $g > 0$; or $g' > 0$; or, at a start with $g "
-        r"= g' = 0$, $g'' > 0$; "
-        r"or $g' < 0$, $g(b) = 0$ and $b$ itself is left out.\end{lemma}",
-        r"\begin{proof} In each case $g$ is monotone, or its sign is what is asked for; "
-        r"integrate once or "
-        r"twice.\end{proof}",
+        r"So $g > 0$ at both ends of a piece means $g > 0$ on it if $H$ is concave, or convex with "
+        r"tangents at the ends that meet above 0; else the piece is cut. Opposite signs mean one "
+        r"zero, which interval Newton encloses. On a belt both forces are monotone between "
+        r"critical phases (Section~\ref{sec:sticks}).",
+        r"\begin{lemma}[steps without critical phases]\label{thm:certificates-steps} Let $g$ be "
+        r"twice differentiable for times from $a$ to $b$, with $g(a) > 0$, or $a$ a start on the "
+        r"belt. Then $g > 0$ up to $b$ if for all these times $g > 0$; or $g' > 0$; or, at a start "
+        r"with $g = g' = 0$, $g'' > 0$; or $g' < 0$, $g(b) = 0$ and $b$ itself is left "
+        r"out.\end{lemma}",
+        r"\begin{proof} In each case $g$ is monotone, or its sign is what is asked for; integrate "
+        r"once or twice.\end{proof}",
         r"Steps side by side, which are halved where none of the four holds, show where a piece "
-        r"ends first. This is "
-        r"how orbits are proven, and all motions once more by the checker. It takes "
-        r"$g(a) + u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is "
-        r"concave in $u$, so that its "
-        r"ends decide; for the last step also the same backwards from its end. In a flight $u = "
-        r"\ddot{g}$ solves "
-        r"$\ddot{u} + (c/m)\dot{u} + (k/m) u = r$ with $|r| \le D = |B_0|\Omega^3/m$, so its "
-        r"energy bounds it, at "
-        r"resonance too: $|u(h)| \le (u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}$; where $k$ "
-        r"is small, two "
-        r"integrations do. What happens at the event follows from certain signs of the forces "
-        r"(Section~\ref{sec:switching}). Starts that are known to an error are a set; its image "
-        r"is enclosed by the "
-        r"value at its centre and the derivatives of Section~\ref{sec:jacobians} over the whole "
-        r"set.",
-        r"A graze is a double zero of the gap, which no error of the start allows. It is proven "
-        r"as a statement about "
-        r"one start: a number $s$ of the start is left free, and with it the zero is a simple one.",
-        r"\begin{proposition}[one start touches]\label{thm:certificates-touch} "
-        r"Let $g(t, s)$ be the gap of the flights from starts with $s$ from $a$ to $b$. Let "
-        r"$\ddot{g} > 0$ for all of "
-        r"them and all times of an interval, $\dot{g} < 0 < g$ at its beginning and $g, \dot{g} "
-        r"> 0$ at its end. "
-        r"Exactly one of these flights touches the belt in the interval, and does not cross it, "
-        r"if one of these holds. "
-        r"(i)~Krawczyk's operator of $(g, \dot{g})$ maps a box of times and of $s$ between $a$ "
-        r"and $b$, which contains "
-        r"all zeros of $\dot{g}$, into its interior. (ii)~The least gap of the interval has "
-        r"different signs at $s = a$ "
-        r"and at $s = b$, and $\partial g/\partial s \ne 0$ where $\dot{g} = 0$.\end{proposition}",
-        r"\begin{proof} A touch is a zero of $(g, \dot{g})$, and such a zero is a touch, as $g$ "
-        r"is convex in $t$. "
-        r"(i)~is Theorem~\ref{thm:certificates-krawczyk}; at the zero the Jacobian has the "
-        r"determinant "
-        r"$-\ddot{g}\,\partial g/\partial s$. (ii)~As $\ddot{g} > 0$, the time of the least gap "
-        r"is unique, and by the "
-        r"implicit function theorem it depends on $s$ continuously differentiably. So the least "
-        r"gap is continuous in "
-        r"$s$ and has a zero by the intermediate value theorem. Its derivative is $\partial "
-        r"g/\partial s$ at that "
-        r"time, since $\dot{g} = 0$ there. That has one sign, so there is only one "
-        r"zero.\end{proof}",
+        r"ends first. This is how orbits are proven, and all motions once more by the checker. It "
+        r"takes $g(a) + u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is "
+        r"concave in $u$, so that its ends decide; for the last step also the same backwards from "
+        r"its end. In a flight $u = \ddot{g}$ solves $\ddot{u} + (c/m)\dot{u} + (k/m) u = r$ with "
+        r"$|r| \le D = |B_0|\Omega^3/m$, so its energy bounds it, at resonance too: $|u(h)| \le "
+        r"(u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}$; where $k$ is small, two integrations "
+        r"do. What happens at the event follows from certain signs of the forces "
+        r"(Section~\ref{sec:switching}). Starts that are known to an error are a set; its image is "
+        r"enclosed by the value at its centre and the derivatives of Section~\ref{sec:jacobians} "
+        r"over the whole set.",
+        r"A graze is a double zero of the gap, which no error of the start allows. It is proven as "
+        r"a statement about one start: a number $s$ of the start is left free, and with it the "
+        r"zero is a simple one.",
+        r"\begin{proposition}[one start touches]\label{thm:certificates-touch} Let $g(t, s)$ be "
+        r"the gap of the flights from starts with $s$ from $a$ to $b$. Let $\ddot{g} > 0$ for all "
+        r"of them and all times of an interval, $\dot{g} < 0 < g$ at its beginning and $g, \dot{g} "
+        r"> 0$ at its end. Exactly one of these flights touches the belt in the interval, and does "
+        r"not cross it, if one of these holds. (i)~Krawczyk's operator of $(g, \dot{g})$ maps a "
+        r"box of times and of $s$ between $a$ and $b$, which contains all zeros of $\dot{g}$, into "
+        r"its interior. (ii)~The least gap of the interval has different signs at $s = a$ and at "
+        r"$s = b$, and $\partial g/\partial s \ne 0$ where $\dot{g} = 0$.\end{proposition}",
+        r"\begin{proof} A touch is a zero of $(g, \dot{g})$, and such a zero is a touch, as $g$ is "
+        r"convex in $t$. (i)~is Theorem~\ref{thm:certificates-krawczyk}; at the zero the Jacobian "
+        r"has the determinant $-\ddot{g}\,\partial g/\partial s$. (ii)~As $\ddot{g} > 0$, the time "
+        r"of the least gap is unique, and by the implicit function theorem it depends on $s$ "
+        r"continuously differentiably. So the least gap is continuous in $s$ and has a zero by the "
+        r"intermediate value theorem. Its derivative is $\partial g/\partial s$ at that time, "
+        r"since $\dot{g} = 0$ there. That has one sign, so there is only one zero.\end{proof}",
         r"The prover uses (i), the checker (ii). That there is no event before the interval is "
-        r"proven for all $s$ as "
-        r"above. The start that touches is between $a$ and $b$, two fractions within the error "
-        r"of the start; nothing "
-        r"is claimed about the given digits themselves.",
-        r"\begin{lemma}[exact touches]\label{thm:certificates-circles} "
-        r"Let $c = B_0 = 0$, $k > 0$, and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. "
-        r"It touches the belt "
-        r"$v_\lambda$ of its domain, and does not cross it, if and only if "
-        r"$\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$ and it meets no other belt "
-        r"before.\end{lemma}",
+        r"proven for all $s$ as above. The start that touches is between $a$ and $b$, two "
+        r"fractions within the error of the start; nothing is claimed about the given digits "
+        r"themselves.",
+        r"\begin{lemma}[exact touches]\label{thm:certificates-circles} Let $c = B_0 = 0$, $k > 0$, "
+        r"and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It touches the belt "
+        r"$v_\lambda$ of its domain, and does not cross it, if and only if $\dot{x}_i^2 + "
+        r"\frac{m}{k} \ddot{x}_i^2 = v_\lambda^2 > 0$ and it meets no other belt before.\end{lemma}",
         r"\begin{proof} In the flight $m \ddot{x} = A_\alpha - k x$, and along it the sum stays "
         r"what it is:",
         equation(circle, 0, {circle: _circle()}, "circle"),
-        r"So, continued beyond all belts, the velocity has the amplitude "
-        r"$(\dot{x}_i^2 + \frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ exactly where it "
-        r"is reached. A flight "
-        r"ends at the first belt that it meets or, at a touch, goes on.\end{proof}",
+        r"So, continued beyond all belts, the velocity has the amplitude $(\dot{x}_i^2 + "
+        r"\frac{m}{k} \ddot{x}_i^2)^{1/2}$, and $\ddot{x} = 0$ exactly where it is reached. A "
+        r"flight ends at the first belt that it meets or, at a touch, goes on.\end{proof}",
         r"This is the one graze of an exact start that is decided, in rational numbers: "
-        r"$\dot{x}_i$ and $\ddot{x}_i$ "
-        r"are rational at an exact start, where a stick ends ($\dot{x}_i = v_\lambda$, "
-        r"$\ddot{x}_i = 0$), and at such "
-        r"a touch.",
+        r"$\dot{x}_i$ and $\ddot{x}_i$ are rational at an exact start, where a stick ends "
+        r"($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such a touch.",
     )
     meaning = {TRACE: ONE + TWO, DET: ONE * TWO}
     yield (
         r"\subsection{Orbits: existence, uniqueness, word, stability}",
         r"The unknowns are all switching points, the equations those of \eqref{eq:maps-f1} piece "
-        r"by piece, the last "
-        r"piece ending where the first begins, $N$ periods later. "
-        r"Theorem~\ref{thm:certificates-krawczyk} proves one "
-        r"root in a box. It is an orbit with its word if each piece ends where it first can "
-        r"(Lemma~\ref{thm:certificates-steps}), if at each crossing both forces have the sign of "
-        r"the passage and at "
-        r"each onset of a stick the signs of Theorem~4, and if both forces hold during the whole "
-        r"stick. All these are "
+        r"by piece, the last piece ending where the first begins, $N$ periods later. "
+        r"Theorem~\ref{thm:certificates-krawczyk} proves one root in a box. It is an orbit with "
+        r"its word if each piece ends where it first can (Lemma~\ref{thm:certificates-steps}), if "
+        r"at each crossing both forces have the sign of the passage and at each onset of a stick "
+        r"the signs of Theorem~4, and if both forces hold during the whole stick. All these are "
         r"certain signs over the box. The checker proves the same orbit by "
-        r"Theorem~\ref{thm:certificates-newton}, for "
-        r"the map from the first event to itself.",
+        r"Theorem~\ref{thm:certificates-newton}, for the map from the first event to itself.",
         r"\begin{proposition}[stability from trace and determinant]\label{thm:certificates-stable} "
-        r"Both multipliers lie inside the unit circle if and only if $|D| < 1$ and $|T| < 1 + "
-        r"D$, with trace $T$ and "
-        r"determinant $D$ of the monodromy matrix.\end{proposition}",
+        r"Both multipliers lie inside the unit circle if and only if $|D| < 1$ and $|T| < 1 + D$, "
+        r"with trace $T$ and determinant $D$ of the monodromy matrix.\end{proposition}",
         r"\begin{proof} With $T = \rho_1 + \rho_2$ and $D = \rho_1\rho_2$",
         equation(1 - TRACE + DET, (1 - ONE) * (1 - TWO), meaning, "minus"),
         "and",
         equation(1 + TRACE + DET, (1 + ONE) * (1 + TWO), meaning, "plus"),
         r"A complex pair has $D = |\rho|^2$, and then both products are positive; so $D < 1$ "
-        r"decides. For real "
-        r"multipliers both products are positive if and only if both multipliers lie in $(-1, "
-        r"1)$, or both are beyond "
-        r"the same end of it.",
+        r"decides. For real multipliers both products are positive if and only if both multipliers "
+        r"lie in $(-1, 1)$, or both are beyond the same end of it.",
         r"Beyond the same end $|D| > 1$, which is excluded; beyond different ends both products "
         r"are negative.",
         facts(*_beyond()),
         r"\end{proof}",
-        r"A multiplier of exactly 1 makes the closing equations singular: neither theorem can "
-        r"then be applied, with "
-        r"any number of bits. So a member of a continuum, as without damping at $\Omega = "
-        r"\omega_0/(2n)$ "
-        r"\cite{csernak2007}, is never proven to be the only one. With damping every orbit is "
-        r"the only one "
-        r"(Section~\ref{sec:orbits}).",
+        r"A multiplier of exactly 1 makes the closing equations singular: neither theorem can then "
+        r"be applied, with any number of bits. So a member of a continuum, as without damping at "
+        r"$\Omega = \omega_0/(2n)$ \cite{csernak2007}, is never proven to be the only one. With "
+        r"damping every orbit is the only one (Section~\ref{sec:orbits}).",
         r"\subsection{Branches: every value of a parameter}",
-        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| "
-        r"\le d$, and $p(\delta)$ "
-        r"a polynomial near the curve of roots. Taylor's theorem encloses $f(p(\delta), \delta)$ "
-        r"by its first "
-        r"coefficients at 0 and one more over the whole interval; arithmetic with power series "
-        r"of balls gives both. "
-        r"Theorem~\ref{thm:certificates-krawczyk} with this enclosure for $f(c)$ and $J$ over "
-        r"all $p(\delta) + R$ "
-        r"proves one root in $p(\delta) + R$ for \emph{every} $\delta$, and it depends "
-        r"continuously on $\delta$. The "
-        r"signs that make it an orbit are certain over the whole tube, or the interval is "
-        r"halved. Neighbouring "
-        r"intervals have the same root where they meet: it lies in both tubes. Since $1 - YJ$ "
-        r"has a norm below 1 for "
-        r"$J$ over all of a box, $f$ is one-to-one there, and the root is the only one in that "
-        r"box. The flow is made "
-        r"of $\cosh w\tau$ and $\sinh(w\tau)/w$ with $w^2 = (c/2m)^2 - k/m$, entire functions of "
-        r"$w^2$, so a branch "
-        r"may pass through critical damping. The checker proves the same with another form of "
-        r"the flow, with "
-        r"derivatives that are coefficients of power series, and with interval Newton in place "
-        r"of Krawczyk's operator.",
-        r"\begin{proposition}[the end of a branch]\label{thm:certificates-end} "
-        r"Let one root be proven for every parameter value between $a$ and $b$, all inequalities "
-        r"at $a$, and that one "
-        r"of them is violated at $b$. Then between $a$ and $b$ there is a first value at which "
-        r"an inequality of the "
-        r"orbit becomes an equality. There the branch ends.\end{proposition}",
+        r"Let $\delta$ be the change of a parameter from the middle of an interval, $|\delta| \le "
+        r"d$, and $p(\delta)$ a polynomial near the curve of roots. Taylor's theorem encloses "
+        r"$f(p(\delta), \delta)$ by its first coefficients at 0 and one more over the whole "
+        r"interval; arithmetic with power series of balls gives both. "
+        r"Theorem~\ref{thm:certificates-krawczyk} with this enclosure for $f(c)$ and $J$ over all "
+        r"$p(\delta) + R$ proves one root in $p(\delta) + R$ for \emph{every} $\delta$, and it "
+        r"depends continuously on $\delta$. The signs that make it an orbit are certain over the "
+        r"whole tube, or the interval is halved. Neighbouring intervals have the same root where "
+        r"they meet: it lies in both tubes. Since $1 - YJ$ has a norm below 1 for $J$ over all of "
+        r"a box, $f$ is one-to-one there, and the root is the only one in that box. The flow is "
+        r"made of $\cosh w\tau$ and $\sinh(w\tau)/w$ with $w^2 = (c/2m)^2 - k/m$, entire functions "
+        r"of $w^2$, so a branch may pass through critical damping. The checker proves the same "
+        r"with another form of the flow, with derivatives that are coefficients of power series, "
+        r"and with interval Newton in place of Krawczyk's operator.",
+        r"\begin{proposition}[the end of a branch]\label{thm:certificates-end} Let one root be "
+        r"proven for every parameter value between $a$ and $b$, all inequalities at $a$, and that "
+        r"one of them is violated at $b$. Then between $a$ and $b$ there is a first value at which "
+        r"an inequality of the orbit becomes an equality. There the branch ends.\end{proposition}",
         r"\begin{proof} Each side of each inequality is continuous in the root, or is the least "
-        r"value of a continuous "
-        r"function over a piece, and the root is continuous in the parameter. Use the "
-        r"intermediate value "
-        r"theorem.\end{proof}",
+        r"value of a continuous function over a piece, and the root is continuous in the "
+        r"parameter. Use the intermediate value theorem.\end{proof}",
         r"\subsection{Motions that settle: any number of periods}",
         r"Carried from event to event, an enclosure says something of some thousand periods. One "
-        r"that settles on an "
-        r"orbit is enclosed for ever. Let $P$ be the map from an arrival at a belt, with its "
-        r"time and position, to the "
-        r"same arrival some periods later, less these periods. Let $B$ be the box of all $y$ with "
-        r"$|y_i - c_i| \le e_i$, and let the entries of $D$ contain the derivatives of $P$ over "
-        r"$B$. All three are "
-        r"balls: the events of all motions from $B$ are proven as those of one motion are "
+        r"that settles on an orbit is enclosed for ever. Let $P$ be the map from an arrival at a "
+        r"belt, with its time and position, to the same arrival some periods later, less these "
+        r"periods. Let $B$ be the box of all $y$ with $|y_i - c_i| \le e_i$, and let the entries "
+        r"of $D$ contain the derivatives of $P$ over $B$. All three are balls: the events of all "
+        r"motions from $B$ are proven as those of one motion are "
         r"(Lemma~\ref{thm:certificates-steps}), and $D$ is the product of the Jacobians of their "
         r"maps.",
-        r"\begin{proposition}[a motion that settles]\label{thm:certificates-settled} "
-        r"Let every motion from $B$ have the events of one word, and let $P(B) \subset B$. Then "
-        r"every motion that "
-        r"comes into $B$ has the events of this word in every later period, at the phases and "
-        r"positions of the first "
-        r"one's enclosures. If also $q = \max_i \sum_j |D_{ij}|\, e_j/e_i < 1$, there is one "
-        r"orbit that passes $B$ "
-        r"once in every turn, and $n$ turns later a motion is within $2 q^n e_i$ of "
-        r"it.\end{proposition}",
+        r"\begin{proposition}[a motion that settles]\label{thm:certificates-settled} Let every "
+        r"motion from $B$ have the events of one word, and let $P(B) \subset B$. Then every motion "
+        r"that comes into $B$ has the events of this word in every later period, at the phases and "
+        r"positions of the first one's enclosures. If also $q = \max_i \sum_j |D_{ij}|\, e_j/e_i < "
+        r"1$, there is one orbit that passes $B$ once in every turn, and $n$ turns later a motion "
+        r"is within $2 q^n e_i$ of it.\end{proposition}",
         r"\begin{proof} The first part is induction: a motion in $B$ has these events and comes "
-        r"into $B$ again. For "
-        r"the second let $\|y\| = \max_i |y_i|/e_i$. By the mean value theorem "
-        r"$|P(a) - P(b)|_i \le \sum_j |D_{ij}|\,|a_j - b_j| \le q\, e_i\, \|a - b\|$ for all "
-        r"$a$, $b$ in $B$, which is "
-        r"convex. So $P$ is a contraction of the complete set $B$ into itself, and Banach's "
-        r"theorem gives one fixed "
-        r"point $y^*$. Two points of $B$ have $\|a - b\| \le 2$, hence $\|P^n(a) - y^*\| \le 2 "
-        r"q^n$.\end{proof}",
+        r"into $B$ again. For the second let $\|y\| = \max_i |y_i|/e_i$. By the mean value theorem "
+        r"$|P(a) - P(b)|_i \le \sum_j |D_{ij}|\,|a_j - b_j| \le q\, e_i\, \|a - b\|$ for all $a$, "
+        r"$b$ in $B$, which is convex. So $P$ is a contraction of the complete set $B$ into "
+        r"itself, and Banach's theorem gives one fixed point $y^*$. Two points of $B$ have $\|a - "
+        r"b\| \le 2$, hence $\|P^n(a) - y^*\| \le 2 q^n$.\end{proof}",
         r"So the last events of a motion of $10^5$ periods are known to as many digits as are "
-        r"asked for: the orbit is "
-        r"enclosed by Theorem~\ref{thm:certificates-krawczyk}, and $2 q^n$ is added. The checker "
-        r"follows $B$ once "
-        r"round with exponentials of matrices, and judges $q$ anew.",
+        r"asked for: the orbit is enclosed by Theorem~\ref{thm:certificates-krawczyk}, and $2 q^n$ "
+        r"is added. The checker follows $B$ once round with exponentials of matrices, and judges "
+        r"$q$ anew.",
     )
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
@@ -295,14 +224,14 @@ def items(scope: Scope) -> Items:
     # At the contact x' = v_lambda and x'' = F = 0, which gives x.
     place = sp.solve(newton.subs(velocity, v_lambda), path)[0]
     at = [
-        each.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta)
-        for each in derivatives
+        derivative.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta)
+        for derivative in derivatives
     ]
     touch = at[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
     yield (
         r"\subsection{Windows: every phase}",
-        r"\begin{lemma}[a contact without force]\label{thm:certificates-window} "
-        r"Let a flight meet a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
+        r"\begin{lemma}[a contact without force]\label{thm:certificates-window} Let a flight meet "
+        r"a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
         equation(
             SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), "second"
         ),
@@ -310,22 +239,18 @@ def items(scope: Scope) -> Items:
         equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), "fourth"),
         r"\end{lemma}",
         r"\begin{proof} Differentiate the equation of motion and put $\dot{x} = v_\lambda$, "
-        r"$\ddot{x} = 0$. The third "
-        r"derivative is $-(c/m)\ddot{g} - (B_0\Omega^2/m)\cos\theta$.\end{proof}",
+        r"$\ddot{x} = 0$. The third derivative is $-(c/m)\ddot{g} - "
+        r"(B_0\Omega^2/m)\cos\theta$.\end{proof}",
         facts(
             equation(at[0], 0), equation(at[2], -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta))
         ),
         r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. "
-        r"Those are the phases "
-        r"with $\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and between them the sign "
-        r"is constant: one phase "
-        r"of each arc proves it. At a zero with $\cos\theta \ne 0$ the gap changes its sign; at "
-        r"one with "
-        r"$\cos\theta = 0$ \eqref{eq:certificates-fourth} decides, or, in the paper's order, "
-        r"nothing does. The checker "
-        r"instead covers the circle outside the ends with intervals of certain sign, and shows "
-        r"that the derivative has "
-        r"one sign at the ends.",
+        r"Those are the phases with $\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and "
+        r"between them the sign is constant: one phase of each arc proves it. At a zero with "
+        r"$\cos\theta \ne 0$ the gap changes its sign; at one with $\cos\theta = 0$ "
+        r"\eqref{eq:certificates-fourth} decides, or, in the paper's order, nothing does. The "
+        r"checker instead covers the circle outside the ends with intervals of certain sign, and "
+        r"shows that the derivative has one sign at the ends.",
     )
 
 
@@ -367,8 +292,8 @@ def _gap_facts(wave: Any) -> Items:
     slope = (S / C).diff(U)
     first = q.diff(U) / slope
     letters = LG, _C, _C1, Q1, Q2, SLOPE, FIRST, SECOND_H = [
-        named(each)
-        for each in ("L g", "C", "C'", "q'", "q''", "s'", "dH/ds", r"\frac{d^2 H}{ds^2}")
+        named(name)
+        for name in ("L g", "C", "C'", "q'", "q''", "s'", "dH/ds", r"\frac{d^2 H}{ds^2}")
     ]
     values = operator, C, C.diff(U), q.diff(U), q.diff(U, 2), slope, first, first.diff(U) / slope
     meaning = dict(zip(letters, values, strict=True))

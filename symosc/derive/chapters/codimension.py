@@ -17,7 +17,6 @@ from symosc.derive.chapters.corrections import (
     pull,
     zero,
 )
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, stated
 from symosc.derive.steps import (
     CONTEXT,
@@ -31,6 +30,7 @@ from symosc.derive.steps import (
     number,
 )
 from symosc.reference.cases import wall
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import FN, k
 
 TITLE = "Points of codimension two"
@@ -184,8 +184,7 @@ def _passage() -> Items:
         equation(
             top, BEND * (HALF - CONTACT) ** 2 * (2 * HALF + CONTACT) / 6, {top: turned}, "top"
         ),
-        r"so it returns iff $t_m > -2s$, and sticks till $s$ then. The flight that touches began "
-        r"at",
+        r"so it returns iff $t_m > -2s$, and sticks till $s$ then. The flight that touches began at",
         equation(CONTACT, -2 * HALF, {CONTACT: -place}, "touch"),
         r"where $u = h t_m^2/8$.\end{proof}",
     )
@@ -237,10 +236,10 @@ def _frictionless() -> Items:
     speed = SLOPE * HALF - JUMP
     length = 2 * speed / SLOPE
     edge = named(r"\epsilon_1")
-    other = named(r"\epsilon_2")
+    second = named(r"\epsilon_2")
     solved = {
         name: sp.solve(sp.Eq(SLOPE * first, JUMP * factor), SMALL)[0]
-        for name, factor in ((edge, 1), (other, 2))
+        for name, factor in ((edge, 1), (second, 2))
     }
     return (
         r"\subsection{(D) A belt without friction: three parabolas}",
@@ -249,7 +248,7 @@ def _frictionless() -> Items:
         r"= 2\mu_\lambda F_N/m \ge 0$ be small. The borders that leave $\epsilon = J = 0$ are "
         r"$\epsilon = 0$ (grazing-sliding) and",
         equation(edge, JUMP**2 / (2 * SLOPE), solved, "edge-1"),
-        equation(other, 2 * JUMP**2 / SLOPE, solved, "edge-2"),
+        equation(second, 2 * JUMP**2 / SLOPE, solved, "edge-2"),
         r"of switching-sliding and crossing-sliding. In their order: the mass does not meet the "
         r"belt; it sticks and returns; it passes, comes back and sticks; it passes and passes "
         r"back.\end{theorem}",
@@ -455,12 +454,12 @@ def _tables() -> Items:
     rows = []
     for name, value, function in ratios:
         known = CONTEXT.mpf(int(value))
-        found = _extrapolated(function)
+        limit = _extrapolated(function)
         rows.append(
             (
                 name,
                 f"${value}$",
-                decimal("z", found, DECIMALS, close(partial(CONTEXT.mpf, known), DECIMALS)),
+                decimal("z", limit, DECIMALS, close(partial(CONTEXT.mpf, known), DECIMALS)),
             )
         )
     places = []

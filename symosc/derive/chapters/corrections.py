@@ -13,7 +13,6 @@ from symosc.derive.chapters import borders
 from symosc.derive.chapters.borders import NAMES
 from symosc.derive.chapters.jacobians import force_at_belt
 from symosc.derive.flight_basis import flight_basis
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope, v_lambda, valued
 from symosc.derive.steps import (
     CONTEXT,
@@ -28,6 +27,7 @@ from symosc.derive.steps import (
 )
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import B0, Omega, c, k, m
 from symosc.symbolic.theorem7 import rational
 
@@ -188,8 +188,7 @@ def _theorem() -> Items:
         r"velocities: of $-g$ in (i) and (ii), of $g$ in (iii) and (iv); and $\delta\dot{x}$ is "
         r"$-g$ at the end.\end{proof}",
         r"The orders are 1 for grazing-sliding, 2 for crossing-sliding and adding-sliding, and 3 "
-        r"for "
-        r"switching-sliding; compare the normal forms in \cite{dibernardo2002,dibernardo2008}.",
+        r"for switching-sliding; compare the normal forms in \cite{dibernardo2002,dibernardo2008}.",
     )
 
 
@@ -247,17 +246,19 @@ def flow(o: Oscillator, place: Any, speed: Any, angle: Any, later: Any) -> tuple
     mp = CONTEXT
     wave = o.B0 / mp.mpc(o.k - o.Omega**2, o.c * o.Omega)
     root = mp.sqrt(mp.mpc(o.c**2 / 4 - o.k))
-    one = -o.c / 2 + root
-    two = -o.c / 2 - root
+    first_root = -o.c / 2 + root
+    second_root = -o.c / 2 - root
     turn = mp.expj(angle)
     free = place - o.A / o.k - mp.re(wave * turn)
     drift = speed - mp.re(1j * o.Omega * wave * turn)
-    first = (drift - two * free) / (one - two)
+    first = (drift - second_root * free) / (first_root - second_root)
     second = free - first
     end = wave * mp.expj(angle + o.Omega * later)
-    fast = first * mp.exp(one * later)
-    slow = second * mp.exp(two * later)
-    return o.A / o.k + mp.re(end + fast + slow), mp.re(1j * o.Omega * end + one * fast + two * slow)
+    fast = first * mp.exp(first_root * later)
+    slow = second * mp.exp(second_root * later)
+    return o.A / o.k + mp.re(end + fast + slow), mp.re(
+        1j * o.Omega * end + first_root * fast + second_root * slow
+    )
 
 
 def pull(o: Oscillator, belt: Any, place: Any, angle: Any) -> Any:
@@ -515,8 +516,8 @@ def _multipliers() -> Items:
         equation(
             onset, 1 - 9 * k * SMALL / (m * BEND), {onset: 1 + fourth.diff(SMALL) * k / m}, "add"
         ),
-        r"times as much is kept. The multiplier that is not 0 is continuous, with a kink."
-        r"\end{enumerate}",
+        r"times as much is kept. The multiplier that is not 0 is continuous, with a "
+        r"kink.\end{enumerate}",
         r"No multiplier leaves the unit circle, so the motion goes on across every "
         r"border.\end{theorem}",
         r"\begin{proof} These are the derivatives of Theorem~\ref{thm:corrections-maps}. In (i) "
@@ -555,13 +556,13 @@ def grazing() -> Grazing:
     there = p.replace(Omega=end.value)
     orbit = find_orbit(there, BRANCH[0], digits=STEP_DIGITS)
     before = tuple(CONTEXT.re(CONTEXT.mpmathify(value)) for value in orbit.multipliers)
-    (down, place), (up, other) = orbit.points
+    (down, place), (up, above) = orbit.points
     touch = CONTEXT.mpf(end.conditions[0].t)
     period = CONTEXT.mpf(orbit.period)
     touch += period * CONTEXT.ceil((up - touch) / period)
     rows = (
         (down + period - touch, 2, 1, place, down),
-        (up - down, 1, 2, other, up),
+        (up - down, 1, 2, above, up),
         (touch - up, 2, None, None, None),
     )
     matrix = CONTEXT.eye(2)

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import sympy as sp
 
 from symosc.derive.chapters.motion import balance
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
     CONTEXT,
@@ -24,6 +23,7 @@ from symosc.derive.steps import (
     solves,
 )
 from symosc.symbolic import solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import (
     BASIS,
     E0,
@@ -93,47 +93,38 @@ def items(scope: Scope) -> Items:
         laws.append(equation(value, left, exact(generic, modes), f"{name}"))
     yield (
         r"\subsection{Five functions that hold every motion}",
-        r"\begin{definition}[basis functions]\label{thm:domains-basis} "
-        r"With $\tau = t - t_i$ the time since the start at $t_i$, let $L = d^2/d\tau^2 + "
-        r"(c/m)\, d/d\tau + k/m$. Let "
+        r"\begin{definition}[basis functions]\label{thm:domains-basis} With $\tau = t - t_i$ the "
+        r"time since the start at $t_i$, let $L = d^2/d\tau^2 + (c/m)\, d/d\tau + k/m$. Let "
         r"$E_1(\tau)$ be the response to an impulse: $L E_1 = 0$, $E_1(0) = 0$, $\dot{E}_1(0) = "
-        r"1$. Further let "
-        r"$E_0 = \dot{E}_1$, $E_2(\tau) = \int_0^\tau E_1(u)\,du$ and "
-        r"$R_2(\tau) + i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - "
-        r"u)}\,du$.\end{definition}",
-        r"\begin{lemma}[rates and relations]\label{thm:domains-relations} The basis functions "
-        r"have the derivatives",
+        r"1$. Further let $E_0 = \dot{E}_1$, $E_2(\tau) = \int_0^\tau E_1(u)\,du$ and $R_2(\tau) + "
+        r"i I_2(\tau) = \int_0^\tau E_1(u)\, e^{i\Omega(\tau - u)}\,du$.\end{definition}",
+        r"\begin{lemma}[rates and relations]\label{thm:domains-relations} The basis functions have "
+        r"the derivatives",
         rates,
         r"and obey, whatever the damping,",
         laws,
         r"\end{lemma}",
-        r"\begin{proof} The rates follow from $L E_1 = 0$ and Leibniz' rule. The relations are "
-        r"$L E_2 = 1$ and "
-        r"$L(R_2 + i I_2) = e^{i\Omega\tau}$, with all derivatives replaced by the rates: both "
-        r"sides have the same "
-        r"rates, and are equal at $\tau = 0$.\end{proof}",
+        r"\begin{proof} The rates follow from $L E_1 = 0$ and Leibniz' rule. The relations are $L "
+        r"E_2 = 1$ and $L(R_2 + i I_2) = e^{i\Omega\tau}$, with all derivatives replaced by the "
+        r"rates: both sides have the same rates, and are equal at $\tau = 0$.\end{proof}",
         solved_functions(generic),
     )
     start, *motion = flow()
     yield (
         r"\subsection{The motion}",
-        r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} "
-        r"A motion that starts in $\Omega_\alpha$, or goes into it, at $t_i$ with the phase "
-        r"$\theta_i = \Omega t_i$, "
-        r"the position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in "
-        r"$\Omega_\alpha$,",
+        r"\begin{theorem}[the motion in a domain]\label{thm:domains-flow} A motion that starts in "
+        r"$\Omega_\alpha$, or goes into it, at $t_i$ with the phase $\theta_i = \Omega t_i$, the "
+        r"position $x_i$ and the velocity $\dot{x}_i$ is, as long as it stays in $\Omega_\alpha$,",
         motion,
         r"where the acceleration at the start is",
         start,
         r"This holds in every regime of damping and at resonance.\end{theorem}",
         r"\begin{proof} $L x = (A_\alpha + B_0\cos\theta)/m$ by \eqref{eq:motion-domain}. "
-        r"Variation of constants gives "
-        r"$x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and $I_2$. Then $A_\alpha$ is "
-        r"eliminated in favour of "
-        r"$\ddot{x}_i$, so that friction enters only there, and the derivatives are shortened by "
-        r"Lemma~\ref{thm:domains-relations}. That \eqref{eq:domains-x} solves the equation with "
-        r"the right start was "
-        r"checked with the relations alone.\end{proof}",
+        r"Variation of constants gives $x$ as a combination of $E_0$, $E_1$, $E_2$, $R_2$ and "
+        r"$I_2$. Then $A_\alpha$ is eliminated in favour of $\ddot{x}_i$, so that friction enters "
+        r"only there, and the derivatives are shortened by Lemma~\ref{thm:domains-relations}. That "
+        r"\eqref{eq:domains-x} solves the equation with the right start was checked with the "
+        r"relations alone.\end{proof}",
     )
     if scope.scene is None:
         name = "underdamped"
@@ -141,26 +132,26 @@ def items(scope: Scope) -> Items:
         name = scope.regimes[0].name
     form = paper_form(solution.REGIMES[name])
     (first, second) = REGIME_WORDS[name]
+    if name == "underdamped":
+        form_is = (
+            r"The form with constants of integration, for $c^2 < 4km$ away from undamped "
+            r"resonance, with $h = c/(2m)$ and $\omega_d = \sqrt{k/m - h^2}$, is"
+        )
+    else:
+        form_is = (
+            rf"The form with constants of integration, in the regime \emph{{{first}}} ({second}), "
+            r"is"
+        )
     yield (
         r"\subsection{The same motion as papers print it}",
-        r"The form with constants of integration, for $c^2 < 4km$ away from undamped resonance, "
-        r"with $h = c/(2m)$ and "
-        r"$\omega_d = \sqrt{k/m - h^2}$, is"
-        if name == "underdamped"
-        else (
-            rf"The form with constants of integration, in the regime \emph{{{first}}} "
-            rf"({second}), is"
-        ),
+        form_is,
         equation(named(r"x(\tau)"), form.x, form.check, "paper"),
         "with",
         constants(form),
         r"It is the same function as \eqref{eq:domains-x}, since both solve the same problem. It "
-        r"needs a case for "
-        r"every regime, and loses digits near the borders of the regimes and for short times, "
-        r"where "
-        r"\eqref{eq:domains-x} loses none if the basis functions are computed as divided "
-        r"differences "
-        r"\cite{mccurdy1984}.",
+        r"needs a case for every regime, and loses digits near the borders of the regimes and for "
+        r"short times, where \eqref{eq:domains-x} loses none if the basis functions are computed "
+        r"as divided differences \cite{mccurdy1984}.",
     )
     if scope.scene:
         regime = scope.regimes[0]
@@ -186,9 +177,12 @@ def items(scope: Scope) -> Items:
     letters = (solution.h, omega_d, eta, omega_0)
     yield (
         r"\subsection{The regimes of damping}",
-        r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With "
-        r"the letters",
-        [equation(each, values[each], true_letters()[each], f"{each.name}") for each in letters],
+        r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the "
+        r"letters",
+        [
+            equation(letter, values[letter], true_letters()[letter], f"{letter.name}")
+            for letter in letters
+        ],
         r"Table~\ref{tab:domains-regimes} gives $E_1$ and $E_0$; the other functions follow by "
         r"Corollary~\ref{thm:domains-solved}.",
         Table(
@@ -229,21 +223,18 @@ def items(scope: Scope) -> Items:
         borders.append((*words, rf"${latex(join.letter)} \to 0$", path, *limits))
     yield (
         r"\subsection{The regimes are limits of each other}",
-        r"\begin{theorem}[one motion, no cases]\label{thm:domains-entire} "
-        r"For each $\tau$ the basis functions are entire functions of $c/m$, $k/m$ and $\Omega$. "
-        r"So at each border of "
+        r"\begin{theorem}[one motion, no cases]\label{thm:domains-entire} For each $\tau$ the "
+        r"basis functions are entire functions of $c/m$, $k/m$ and $\Omega$. So at each border of "
         r"two regimes the functions of one turn into those of the other.\end{theorem}",
-        r"\begin{proof} $E_1$ solves a linear equation whose coefficients are polynomials of "
-        r"$c/m$ and $k/m$, with a "
-        r"fixed start; such a solution is an entire function of the coefficients, and so are "
-        r"$E_0$ and the integrals "
-        r"$E_2$ and $R_2 + i I_2$, the last one also of $\Omega$. Table~\ref{tab:domains-joins} "
-        r"goes over the borders: "
-        r"along each path $c/m$ and $k/m$ of one regime tend to those of the other.\end{proof}",
+        r"\begin{proof} $E_1$ solves a linear equation whose coefficients are polynomials of $c/m$ "
+        r"and $k/m$, with a fixed start; such a solution is an entire function of the "
+        r"coefficients, and so are $E_0$ and the integrals $E_2$ and $R_2 + i I_2$, the last one "
+        r"also of $\Omega$. Table~\ref{tab:domains-joins} goes over the borders: along each path "
+        r"$c/m$ and $k/m$ of one regime tend to those of the other.\end{proof}",
         Table(
             "tab:domains-joins",
-            r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ "
-            r"tend there.",
+            r"The borders of the regimes: how each is approached, and to what $c/m$ and $k/m$ tend "
+            r"there.",
             ("from", "to", "with", "where", r"$c/m \to$", r"$k/m \to$"),
             tuple(borders),
             tuple(_sampled(join) for join in solution.JOINS),
@@ -284,8 +275,8 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
     swing = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
     return (
-        r"\begin{corollary}\label{thm:domains-solved} "
-        r"$E_0$ and $E_1$ give the other three: for $k > 0$",
+        r"\begin{corollary}\label{thm:domains-solved} $E_0$ and $E_1$ give the other three: for $k "
+        r"> 0$",
         equation(E2, (1 - E0 - cm * E1) / w0sq, exact(generic, modes), "E2"),
         "and with",
         equation(KAPPA, NORMS[KAPPA], NORMS, "kappa"),
@@ -296,8 +287,7 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
         r"\end{corollary}",
         r"\begin{proof} \eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and "
         r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the "
-        r"determinant "
-        r"$\Delta$.\end{proof}",
+        r"determinant $\Delta$.\end{proof}",
     )
 
 
@@ -358,15 +348,15 @@ def paper_form(regime: solution.Regime) -> PaperForm:
     start = {tau: sp.Integer(0)}
     v = x.diff(tau)
     equations = [x.subs(start) - x_i, v.subs(start) - v_i]
-    found = sp.solve(equations, [C1, C2], dict=True)[0]
+    solved = sp.solve(equations, [C1, C2], dict=True)[0]
     if regime.name != "no spring":  # C_1 is plain there; C_2 is shorter with it
-        found[C2] = sp.solve(equations[1], C2)[0]
+        solved[C2] = sp.solve(equations[1], C2)[0]
     # One denominator for the whole sum.
     if below != 1:
-        quotient = sp.Mul(sp.expand(found[C2] * below), 1 / below, evaluate=False)
+        quotient = sp.Mul(sp.expand(solved[C2] * below), 1 / below, evaluate=False)
     else:
-        quotient = sp.expand(found[C2])
-    constants = letters | {C1: sp.expand(found[C1]), C2: quotient}
+        quotient = sp.expand(solved[C2])
+    constants = letters | {C1: sp.expand(solved[C1]), C2: quotient}
     values = regime.parameters()
     back = {c: m * values[cm], k: m * values[w0sq]}
     force = ((A + B0 * sp.cos(PHASE)) / m).xreplace(back)

@@ -11,7 +11,6 @@ import sympy as sp
 from symosc.derive.chapters.motion import MU, newton
 from symosc.derive.chapters.orbits import orbit_points
 from symosc.derive.errata import SEVERITIES, read_errata
-from symosc.derive.latex import named
 from symosc.derive.scope import F, Scope
 from symosc.derive.steps import (
     Items,
@@ -29,6 +28,7 @@ from symosc.derive.steps import (
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, FN, Omega, c, k, m, t, v, x
 from symosc.symbolic.theorem7 import rational
 
@@ -41,7 +41,7 @@ def items(scope: Scope) -> Items:
     """
     errata = read_errata()
     counts = ", ".join(
-        rf"{sum(each.severity == severity for each in errata)} are \emph{{{severity}}} ({meaning})"
+        rf"{sum(erratum.severity == severity for erratum in errata)} are \emph{{{severity}}} ({meaning})"
         for severity, meaning in SEVERITIES.items()
     )
     yield (
@@ -49,15 +49,14 @@ def items(scope: Scope) -> Items:
         rf"These are the {len(errata)} distinct errors and gaps of the paper, in its order and "
         rf"each once: {counts}. "
         r"Numbers of equations, theorems and figures in this list are the paper's, except those "
-        r"after \emph{See}. Its "
-        r"letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ without the names of "
-        r"domain and belt, "
-        r"$\partial\Omega_{ij}$ for a boundary and $\varphi_{ij} = 0$ for its equation.",
+        r"after \emph{See}. Its letters are the paper's too: $G^{(j)}$, $\Sigma^j$ and $x^{(i)}$ "
+        r"without the names of domain and belt, $\partial\Omega_{ij}$ for a boundary and "
+        r"$\varphi_{ij} = 0$ for its equation.",
         [
-            rf"\textbf{{{each.number}.}}~{each.where} ({each.severity}). \emph{{Printed:}} "
-            rf"{each.printed} "
-            rf"\emph{{Right:}} {each.holds} \emph{{Proof.}} {each.proof}{f' See {each.shown}.' if each.shown else ''}"
-            for each in errata
+            rf"\textbf{{{erratum.number}.}}~{erratum.where} ({erratum.severity}). "
+            rf"\emph{{Printed:}} {erratum.printed} \emph{{Right:}} {erratum.holds} \emph{{Proof.}} "
+            rf"{erratum.proof}{f' See {erratum.shown}.' if erratum.shown else ''}"
+            for erratum in errata
         ],
     )
     field = solution.in_paper_letters(solution.acceleration())
@@ -67,11 +66,10 @@ def items(scope: Scope) -> Items:
     difference = named(r"D_{\mathbf{x}^{(\alpha)}}F^{(\alpha)} - D_{\mathbf{x}^{(0)}}F^{(\alpha)}")
     yield (
         r"\subsection{The derivative in (47)}",
-        r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the "
-        r"boundary's flow, which has "
-        r"$\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives is along the "
-        r"flow of the domain, "
-        r"$\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, F^{(\alpha)})^T$. They differ by",
+        r"By its definition after (16), $D_{\mathbf{x}^{(0)}}$ differentiates along the boundary's "
+        r"flow, which has $\dot{\mathbf{x}}^{(0)} = (v_\lambda, 0)^T$. The result that (47) gives "
+        r"is along the flow of the domain, $\dot{\mathbf{x}}^{(\alpha)} = (v_\lambda, "
+        r"F^{(\alpha)})^T$. They differ by",
         equation(
             difference,
             -c * F(r"\alpha") / m,
@@ -83,17 +81,16 @@ def items(scope: Scope) -> Items:
 
     def ends(scene: str, belt: int, alpha: int, words: str) -> Items:
         numbers = Scope(load_scene(scene)).numbers
-        other = belt + 1
+        above = belt + 1
         time = _up_to_slip(scene, 40, f"Omega{alpha}")[-1]
-        held = (newton(other) - newton(alpha)).subs(numbers)
+        held = (newton(above) - newton(alpha)).subs(numbers)
         true = -2 * (MU[belt] * FN / m).subs(numbers)
         return (
-            rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({other})}} = 0$ only. "
-            rf"{words} at the time below "
-            rf"by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
+            rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({above})}} = 0$ only. "
+            rf"{words} at the time below by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
             decimal("t", time, 20, label=f"{scene}-slip"),
             r"where the acceleration of the paper's condition is still",
-            equation(F(other), held, true, f"{scene}-held", decimals=True),
+            equation(F(above), held, true, f"{scene}-held", decimals=True),
         )
 
     yield (
@@ -116,8 +113,8 @@ def items(scope: Scope) -> Items:
         Table(
             "tab:errata-starts",
             r"The printed starts of Figs.~9 and 10, and the switching points of the periodic "
-            r"motions, to which the "
-            r"motions from the printed starts tend (Theorem~\ref{thm:orbits-unique}).",
+            r"motions, to which the motions from the printed starts tend "
+            r"(Theorem~\ref{thm:orbits-unique}).",
             ("figure", "orbit", "printed $t_0$, $x_0$", "$t_1$", "$x_1$"),
             tuple(rows),
         ),
@@ -157,7 +154,7 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
     }
     at |= {solution.theta_i: (Omega * time).subs(numbers)}
     start = (expr.subs(scope.display).subs(at) for expr in (flow.x, flow.v))
-    return place, *(sp.N(each, 60)._to_mpmath(200) for each in start)
+    return place, *(sp.N(coordinate, 60)._to_mpmath(200) for coordinate in start)
 
 
 def _start(x0: Any, v0: Any, label: str) -> list[Step]:
@@ -180,7 +177,7 @@ def _start_of(scene: str) -> list[Step]:
 
 def _printed_start(scene: str) -> str:
     """Return the printed (x_0, v_0) of a scene as LaTeX, with four decimals."""
-    place, speed = (f"{float(each.right):.4f}" for each in _start_of(scene))
+    place, speed = (f"{float(step.right):.4f}" for step in _start_of(scene))
     return f"$({place}, {speed})$"
 
 
@@ -196,21 +193,18 @@ def _figure7() -> Items:
     amplitude = ((B0 * Omega) ** 2 / ((k - m * Omega**2) ** 2 + c**2 * Omega**2)).subs(numbers)
     square = named(r"V_0^2")
     place, x0, v0 = _graze("fig7", 1, sp.Integer(5), sp.pi)
-    other, x10, v10 = _graze("fig7-corrected", 1, sp.Integer(5), sp.pi)
+    corrected, x10, v10 = _graze("fig7-corrected", 1, sp.Integer(5), sp.pi)
     return (
         r"\subsection{Fig.~7: one number is misprinted}",
-        r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = "
-        r"5$, whatever $A_0$ is: "
-        r"by \eqref{eq:events-V0} its amplitude has",
+        r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = 5$, "
+        r"whatever $A_0$ is: by \eqref{eq:events-V0} its amplitude has",
         equation(square, 20, amplitude, "V0"),
         step(square, "<", 25, sign({square: amplitude})),
         r"so a graze can only be in the transient. The flow that touches $v_1$ at $t = \pi$, "
-        r"traced back to the "
-        r"printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
+        r"traced back to the printed $t_0 = 2.5$, starts with the printed $A_0 = 5$ at",
         _start(x0, v0, "fig7-x0"),
         rf"The printed start is {_printed_start('fig7')}: with a misprint in $x_0$, which would "
-        r"be $-5.6049$, all "
-        r"other numbers are right, and the contact is at $x_m = -3.0855$.",
+        r"be $-5.6049$, all other numbers are right, and the contact is at $x_m = -3.0855$.",
         facts(
             *_start_of("fig7"),
             _four_decimals("-5.6049", x0),
@@ -220,9 +214,8 @@ def _figure7() -> Items:
         r"With $A_0 = 10$ in place of 5 the start is",
         _start(x10, v10, "fig7-x0-10"),
         r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. "
-        r"Either number explains "
-        r"the figure; the numbers alone do not tell which one is misprinted.",
-        facts(equation(named("x_m"), sp.Rational("-0.5855"), other, decimals=True)),
+        r"Either number explains the figure; the numbers alone do not tell which one is misprinted.",
+        facts(equation(named("x_m"), sp.Rational("-0.5855"), corrected, decimals=True)),
     )
 
 
@@ -237,8 +230,7 @@ def _figure8() -> Items:
     return (
         r"\subsection{Fig.~8: no error, but four decimals do not graze}",
         r"The starts at $t_0 = 2.5$ from which the flow grazes form a curve, with one point for "
-        r"each time $t_m$ of the "
-        r"contact. The point for $t_m = 3.14158$,",
+        r"each time $t_m$ of the contact. The point for $t_m = 3.14158$,",
         _start(x0, v0, "fig8-x0"),
         rf"rounds to the printed start {_printed_start('fig8')}, so the print is right. From the "
         r"rounded numbers the "

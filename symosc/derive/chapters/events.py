@@ -7,10 +7,10 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.domains import DELTA, NORMS
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import Items, equation, exact, facts, modes, sign, step
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, A, Omega, c, cm, k, m, t, tau, theta, w0sq
 
 TITLE = "No event is missed"
@@ -31,21 +31,17 @@ def items(scope: Scope) -> Items:
     meaning = {LG: true, GAMMA: k * v_lambda / m, LETTER_A: B0 * Omega / m}
     yield (
         r"\subsection{An equation for the gap}",
-        r"\begin{lemma}[the gap]\label{thm:events-gap} "
-        r"Let $g = \dot{x} - v_\lambda$ be the gap between the velocity and a belt's speed. In "
-        r"\emph{every} domain, "
-        r"with $L$ as in Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, $a = "
-        r"B_0\Omega/m$,",
+        r"\begin{lemma}[the gap]\label{thm:events-gap} Let $g = \dot{x} - v_\lambda$ be the gap "
+        r"between the velocity and a belt's speed. In \emph{every} domain, with $L$ as in "
+        r"Definition~\ref{thm:domains-basis} and $\gamma = k v_\lambda/m$, $a = B_0\Omega/m$,",
         equation(LG, -(GAMMA + LETTER_A * sp.sin(theta)), meaning, "gap"),
         r"\end{lemma}",
-        r"\begin{proof} Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction "
-        r"with it. Subtract "
-        r"$k v_\lambda/m$.\end{proof}",
+        r"\begin{proof} Differentiate \eqref{eq:motion-domain}: $A_\alpha$ goes, and friction with "
+        r"it. Subtract $k v_\lambda/m$.\end{proof}",
         r"The right side is the function of Theorem~\ref{thm:grazing-theorem7}, and "
-        r"$\dot{F}^{(\alpha)}$ on a belt, "
-        r"\eqref{eq:sticks-rate}. It changes its sign only at the phases $\Theta^{\mathrm{cr}}$ "
-        r"and "
-        r"$\pi - \Theta^{\mathrm{cr}}$, which are known in closed form.",
+        r"$\dot{F}^{(\alpha)}$ on a belt, \eqref{eq:sticks-rate}. It changes its sign only at the "
+        r"phases $\Theta^{\mathrm{cr}}$ and $\pi - \Theta^{\mathrm{cr}}$, which are known in "
+        r"closed form.",
     )
     phi = sp.Function("phi")(tau)
     q = sp.Function("q")(tau)
@@ -65,48 +61,37 @@ def items(scope: Scope) -> Items:
     factored = exact({LG: true} | names)
     yield (
         r"\subsection{At most two zeros between critical phases}",
-        r"\begin{theorem}[disconjugacy, after P\'olya]\label{thm:events-two} "
-        r"On an interval of time on which $\gamma + a\sin\theta$ does not change its sign, and "
-        r"which is shorter than "
+        r"\begin{theorem}[disconjugacy, after P\'olya]\label{thm:events-two} On an interval of "
+        r"time on which $\gamma + a\sin\theta$ does not change its sign, and which is shorter than "
         r"$\pi/\omega_d$ if $c^2 < 4km$ (any length if not), $g$ has at most two zeros, or "
-        r"vanishes "
-        r"identically.\end{theorem}",
-        r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi "
-        r"= 0$ exists: $E_1$ of "
-        r"Table~\ref{tab:domains-regimes}, started shortly before the interval, is positive for "
-        r"$0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
+        r"vanishes identically.\end{theorem}",
+        r"\begin{proof} The interval lies in one on which a solution $\varphi > 0$ of $L\varphi = "
+        r"0$ exists: $E_1$ of Table~\ref{tab:domains-regimes}, started shortly before the "
+        r"interval, is positive for $0 < \tau < \pi/\omega_d$, or for all $\tau > 0$.",
         facts(*(equation(free, 0, exact({free: remains}, modes)) for remains in applied)),
         r"With $q = g/\varphi$",
         equation(LG, letter * curve + (2 * rate + cm * letter) * slope, factored, "factor"),
-        r"which is P\'olya's factorisation \cite{polya1922} "
-        r"$L g = \frac{e^{-c\tau/m}}{\varphi} \frac{d}{d\tau}\bigl(\varphi^2 "
-        r"e^{c\tau/m}\dot{q}\bigr)$.",
+        r"which is P\'olya's factorisation \cite{polya1922} $L g = \frac{e^{-c\tau/m}}{\varphi} "
+        r"\frac{d}{d\tau}\bigl(\varphi^2 e^{c\tau/m}\dot{q}\bigr)$.",
         facts(equation(true, inner, exact())),
         r"By \eqref{eq:events-gap} $L g$ keeps its sign. If $\gamma$ and $a$ are not both 0, its "
-        r"zeros are isolated, "
-        r"so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ has at most one "
-        r"zero; $q$, and with it "
-        r"$g$, has at most two. If $\gamma = a = 0$, $\varphi^2 e^{c\tau/m}\dot{q}$ is constant: "
-        r"$q$ is strictly "
-        r"monotone and has at most one zero, or it is constant, and then $g$ has none or vanishes "
-        r"identically.\end{proof}",
-        r"\begin{corollary}[how many contacts there can be]\label{thm:events-count} "
-        r"In each interval of the length $2\pi/\Omega$ one flight, continued beyond its end, "
-        r"meets the speed of a belt "
-        r"at most $2(5 + 2\omega_d/\Omega)$ times ($\omega_d = 0$ if $c^2 \ge 4km$), unless it "
-        r"stays there for ever. "
-        r"Opposite signs of $g$ at the ends of a piece as in Theorem~\ref{thm:events-two} mean "
-        r"exactly one zero in it; "
-        r"equal signs mean none or two, and the one extremum of $g/\varphi$ tells "
-        r"which.\end{corollary}",
+        r"zeros are isolated, so $\varphi^2 e^{c\tau/m}\dot{q}$ is strictly monotone and $\dot{q}$ "
+        r"has at most one zero; $q$, and with it $g$, has at most two. If $\gamma = a = 0$, "
+        r"$\varphi^2 e^{c\tau/m}\dot{q}$ is constant: $q$ is strictly monotone and has at most one "
+        r"zero, or it is constant, and then $g$ has none or vanishes identically.\end{proof}",
+        r"\begin{corollary}[how many contacts there can be]\label{thm:events-count} In each "
+        r"interval of the length $2\pi/\Omega$ one flight, continued beyond its end, meets the "
+        r"speed of a belt at most $2(5 + 2\omega_d/\Omega)$ times ($\omega_d = 0$ if $c^2 \ge "
+        r"4km$), unless it stays there for ever. Opposite signs of $g$ at the ends of a piece as "
+        r"in Theorem~\ref{thm:events-two} mean exactly one zero in it; equal signs mean none or "
+        r"two, and the one extremum of $g/\varphi$ tells which.\end{corollary}",
         r"\begin{proof} Two critical phases cut the interval into at most three pieces, and cuts "
-        r"at distances just "
-        r"below $\pi/\omega_d$ add at most $2\omega_d/\Omega + 2$ more.\end{proof}",
+        r"at distances just below $\pi/\omega_d$ add at most $2\omega_d/\Omega + 2$ "
+        r"more.\end{proof}",
         r"So every flight has a first contact or none, its contacts do not accumulate, and a "
-        r"search that goes piece by "
-        r"piece ends. That flights and sticks do not accumulate either is "
-        r"Theorem~\ref{thm:accumulation-finite}. "
-        r"The bounds below need no pieces, and are what the program uses from step to step.",
+        r"search that goes piece by piece ends. That flights and sticks do not accumulate either "
+        r"is Theorem~\ref{thm:accumulation-finite}. The bounds below need no pieces, and are what "
+        r"the program uses from step to step.",
     )
     yield r"\subsection{Two bounds for later times}"
     third = named("u^{(3)}")
@@ -124,10 +109,9 @@ def items(scope: Scope) -> Items:
     response = sp.I * Omega * B0 / m / (w0sq - Omega**2 + sp.I * Omega * cm)
     square = sp.simplify(response * sp.conjugate(response))
     yield (
-        r"\begin{theorem}[a bound for ever]\label{thm:events-steady} "
-        r"Away from undamped resonance ($\Delta > 0$) let $V(t)$ be the steady velocity, which "
-        r"has the frequency "
-        r"$\Omega$ and the amplitude $V_0$ with",
+        r"\begin{theorem}[a bound for ever]\label{thm:events-steady} Away from undamped resonance "
+        r"($\Delta > 0$) let $V(t)$ be the steady velocity, which has the frequency $\Omega$ and "
+        r"the amplitude $V_0$ with",
         equation(
             steady,
             LETTER_A**2 / DELTA,
@@ -136,8 +120,7 @@ def items(scope: Scope) -> Items:
         ),
         r"and let $u = \dot{x} - V$ be the transient. Then at all later times of the flight "
         r"$|g^{(4)}| \le C_4 = V_0\Omega^4 + \sqrt{(u^{(4)})^2 + (k/m)(u^{(3)})^2}$, with the "
-        r"derivatives of $u$ taken "
-        r"now.\end{theorem}",
+        r"derivatives of $u$ taken now.\end{theorem}",
         r"\begin{proof} $L u = 0$, so $L u^{(3)} = 0$, and",
         equation(energy, -2 * cm * fourth**2, rate, "energy"),
         r"which is never positive:",
@@ -158,12 +141,10 @@ def items(scope: Scope) -> Items:
         .subs(z, w)
     )
     yield (
-        r"\begin{theorem}[a bound for a while]\label{thm:events-while} "
-        r"In every regime, resonance included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} "
-        r"+ |a|\,\Omega^2$ for "
-        r"the next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = "
-        r"G^{(3,\alpha)}$ taken "
-        r"now.\end{theorem}",
+        r"\begin{theorem}[a bound for a while]\label{thm:events-while} In every regime, resonance "
+        r"included, $|g^{(4)}| \le C_4 = \sqrt{\dot{w}^2 + (k/m) w^2} + |a|\,\Omega^2$ for the "
+        r"next $1/\Omega$ of time, with $w = g^{(3)} = G^{(2,\alpha)}$ and $\dot{w} = "
+        r"G^{(3,\alpha)}$ taken now.\end{theorem}",
         r"\begin{proof} The third derivative of \eqref{eq:events-gap} is",
         equation(
             named("L w"),
@@ -173,9 +154,9 @@ def items(scope: Scope) -> Items:
         ),
         r"so that",
         equation(second, 2 * w_rate * (drive - cm * w_rate), pushed, "pushed"),
-        r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ "
-        r"grows at most at the rate "
-        r"$|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = |B_0|\Omega^3/m$.\end{proof}",
+        r"which is at most $2|a|\Omega^3\,|\dot{w}|$, and the root of $\dot{w}^2 + (k/m)w^2$ grows "
+        r"at most at the rate $|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = "
+        r"|B_0|\Omega^3/m$.\end{proof}",
     )
     s = sp.Symbol("s", positive=True)
     left = named("p(s)")
@@ -186,48 +167,37 @@ def items(scope: Scope) -> Items:
     upper = named(r"g(\tau + s) - p(s)")
     yield (
         r"\subsection{The search, and that it ends}",
-        r"\begin{lemma}[a polynomial below the gap]\label{thm:events-below} "
-        r"Let $g > 0$ now (for $g < 0$ take $-g$), and",
+        r"\begin{lemma}[a polynomial below the gap]\label{thm:events-below} Let $g > 0$ now (for "
+        r"$g < 0$ take $-g$), and",
         equation(left, taylor - C4 * s**4 / 24, lowest, "p"),
         r"Then $g(\tau + s) \ge p(s)$ for all later times for which $C_4$ is a bound, and",
         step(upper, "<=", C4 * s**4 / 12, sign({upper: 2 * remainder}), "excess"),
         r"\end{lemma}",
         r"\begin{proof} Taylor's theorem with the remainder $\int_0^s (s - u)^3 g^{(4)}(\tau + "
-        r"u)\,du/6$, which is at "
-        r"most $C_4 s^4/24$ in size.\end{proof}",
-        r"\begin{theorem}[no event is missed, and the search ends]\label{thm:events-search} "
-        r"Let the search go from $\tau$ to $\tau + s$ with the first positive zero $s$ of $p$, "
-        r"or as far as the bound "
-        r"holds if that is less, and so on. No zero of $g$ is passed. The search either passes "
-        r"every given time in "
-        r"finitely many steps, or its points converge to the first zero of $g$; and after each "
-        r"step that ends at a "
-        r"zero of $p$, $0 \le g \le C_4 s^4/12$.\end{theorem}",
+        r"u)\,du/6$, which is at most $C_4 s^4/24$ in size.\end{proof}",
+        r"\begin{theorem}[no event is missed, and the search ends]\label{thm:events-search} Let "
+        r"the search go from $\tau$ to $\tau + s$ with the first positive zero $s$ of $p$, or as "
+        r"far as the bound holds if that is less, and so on. No zero of $g$ is passed. The search "
+        r"either passes every given time in finitely many steps, or its points converge to the "
+        r"first zero of $g$; and after each step that ends at a zero of $p$, $0 \le g \le C_4 "
+        r"s^4/12$.\end{theorem}",
         r"\begin{proof} $g \ge p > 0$ before the zero of $p$: nothing is passed. The points "
-        r"increase. If they stay "
-        r"bounded, they converge to some $\tau^*$. If $g(\tau^*) \ne 0$, then $g \ge \delta > 0$ "
-        r"on the way for some "
-        r"$\delta$, while the steps shrink to 0. But $g$, its derivatives and $C_4$ are bounded "
-        r"by some $K$ on the "
-        r"way, so $p(s) \ge \delta - K(s + s^2/2 + s^3/6 + s^4/24) > 0$ for all $s$ below a "
-        r"positive number that does "
-        r"not depend on the step: a contradiction. The last statement is "
-        r"\eqref{eq:events-excess} with "
+        r"increase. If they stay bounded, they converge to some $\tau^*$. If $g(\tau^*) \ne 0$, "
+        r"then $g \ge \delta > 0$ on the way for some $\delta$, while the steps shrink to 0. But "
+        r"$g$, its derivatives and $C_4$ are bounded by some $K$ on the way, so $p(s) \ge \delta - "
+        r"K(s + s^2/2 + s^3/6 + s^4/24) > 0$ for all $s$ below a positive number that does not "
+        r"depend on the step: a contradiction. The last statement is \eqref{eq:events-excess} with "
         r"$p(s) = 0$.\end{proof}",
         r"At a start on the boundary $g = 0$ is no event: the known zero is divided out of $p$, "
-        r"one factor $s$ for "
-        r"each derivative that vanishes, and the argument holds for the quotient. Near a simple "
-        r"zero the steps "
-        r"converge to fourth order, and \texttt{symosc.engine} changes to Newton's method once "
-        r"$p$ shows that there is "
-        r"one zero nearby. Near a tangency it looks for the minimum of $g$ ahead: positive, "
-        r"negative, or undecided "
-        r"with the digits at hand, which it then reports.",
-        r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to "
-        r"a few units of its "
-        r"last digit only, and decisions leave margins for that, which are named in "
-        r"\texttt{symosc.engine}; that they "
-        r"are wide enough in double precision was measured, not proven.",
+        r"one factor $s$ for each derivative that vanishes, and the argument holds for the "
+        r"quotient. Near a simple zero the steps converge to fourth order, and "
+        r"\texttt{symosc.engine} changes to Newton's method once $p$ shows that there is one zero "
+        r"nearby. Near a tangency it looks for the minimum of $g$ ahead: positive, negative, or "
+        r"undecided with the digits at hand, which it then reports.",
+        r"This is a proof in real arithmetic. With rounded numbers each value of $g$ is known to a "
+        r"few units of its last digit only, and decisions leave margins for that, which are named "
+        r"in \texttt{symosc.engine}; that they are wide enough in double precision was measured, "
+        r"not proven.",
     )
 
 

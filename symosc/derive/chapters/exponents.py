@@ -12,7 +12,6 @@ from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multi
 from symosc.derive.chapters.maps import force
 from symosc.derive.chapters.orbits import FUNCTIONS
 from symosc.derive.flight_basis import flight_basis
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, v_lambda
 from symosc.derive.steps import (
     CONTEXT,
@@ -33,6 +32,7 @@ from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import Omega, a_i, c, k, m, tau, theta_i, v_i, x_i
 from symosc.symbolic.theorem7 import rational
 
@@ -79,19 +79,15 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{Derivatives of events}",
         r"Let $q$ be a parameter, or $t_0$, $x_0$ or $\dot{x}_0$. The index $q$ marks the "
-        r"derivative of what belongs "
-        r"to an event: of its time, $t_q$, and of its position, $x_q$; and $v_q$ that of the "
-        r"belt's speed, which is 1 "
-        r"for $q = v_\lambda$ and 0 for all others. $\delta$ marks derivatives at a fixed time, "
-        r"before and after the "
-        r"event. So at an event $x_q = \delta x + \dot{x}\, t_q$.",
+        r"derivative of what belongs to an event: of its time, $t_q$, and of its position, $x_q$; "
+        r"and $v_q$ that of the belt's speed, which is 1 for $q = v_\lambda$ and 0 for all others. "
+        r"$\delta$ marks derivatives at a fixed time, before and after the event. So at an event "
+        r"$x_q = \delta x + \dot{x}\, t_q$.",
         r"During a flight $(\delta x, \delta\dot{x})$ is multiplied by $\Phi(\tau)$ "
-        r"(Lemma~\ref{thm:jacobians-phi}), "
-        r"and what $q$ does in the equation of motion is added; a stick keeps $\delta x$ and "
-        r"adds $v_q \tau$. What is "
-        r"left are the events.",
-        r"\begin{theorem}[events]\label{thm:exponents-events} "
-        r"Let a flight meet belt $\lambda$ with the acceleration $F^{-} \ne 0$. Then",
+        r"(Lemma~\ref{thm:jacobians-phi}), and what $q$ does in the equation of motion is added; a "
+        r"stick keeps $\delta x$ and adds $v_q \tau$. What is left are the events.",
+        r"\begin{theorem}[events]\label{thm:exponents-events} Let a flight meet belt $\lambda$ "
+        r"with the acceleration $F^{-} \ne 0$. Then",
         equation(T_Q, (V_Q - DV) / BEFORE, moved, "contact"),
         equation(X_Q, DX + v_lambda * T_Q, moved, "place"),
         r"If the flight goes on with the acceleration $F^{+}$ on the other side, then behind the "
@@ -105,44 +101,34 @@ def items(scope: Scope) -> Items:
         r"and if the mass sticks,",
         equation(DV_PLUS, V_Q, stuck, "onset"),
         r"A stick that ends where $F^{(\alpha)} = 0$ with the rate $\dot{F} \ne 0$ of "
-        r"\eqref{eq:sticks-rate} ends at a "
-        r"time with",
+        r"\eqref{eq:sticks-rate} ends at a time with",
         equation(T_Q, (k * DX + c * V_Q - m * F_Q) / (m * RATE), {T_Q: released}, "slip"),
         r"where $F_q$ is the derivative of $F^{(\alpha)}$ by $q$ alone, and behind it",
         equation(DV_PLUS, V_Q, {DV_PLUS: V_Q - AFTER * T_Q, AFTER: 0}, "end"),
         r"In all cases $\delta x^{+} = \delta x$.\end{theorem}",
         facts(equation(DX_PLUS, DX, {DX_PLUS: X_Q - v_lambda * T_Q, **moved})),
         r"\begin{proof} The motion beside the given one is $x + \dot{x} s + \ldots + "
-        r"\varepsilon(\delta x + "
-        r"\delta\dot{x}\, s)$ at the time $s$ after the event, and meets the belt at $s = "
-        r"\varepsilon t_q$. The "
-        r"condition that the event fulfils ($\dot{x} = v_\lambda$, or $F^{(\alpha)} = 0$) is "
-        r"differentiated by "
-        r"$\varepsilon$ and solved for $t_q$: the implicit function theorem. The velocity at the "
-        r"event is $v_\lambda$, "
-        r"and behind it changes with $F^{+}$; at the end of a stick $F^{+} = F^{(\alpha)} = "
+        r"\varepsilon(\delta x + \delta\dot{x}\, s)$ at the time $s$ after the event, and meets "
+        r"the belt at $s = \varepsilon t_q$. The condition that the event fulfils ($\dot{x} = "
+        r"v_\lambda$, or $F^{(\alpha)} = 0$) is differentiated by $\varepsilon$ and solved for "
+        r"$t_q$: the implicit function theorem. The velocity at the event is $v_\lambda$, and "
+        r"behind it changes with $F^{+}$; at the end of a stick $F^{+} = F^{(\alpha)} = "
         r"0$.\end{proof}",
-        r"For $v_q = 0$ these are the saltation matrices of "
-        r"Theorem~\ref{thm:jacobians-saltation}: a crossing "
-        r"multiplies by $\operatorname{diag}(1, F^{+}/F^{-})$; an onset by "
-        r"$\operatorname{diag}(1, 0)$, of rank one: "
-        r"the direction of the velocity is forgotten; the end of a stick changes nothing, it "
-        r"only takes place sooner "
-        r"or later.",
+        r"For $v_q = 0$ these are the saltation matrices of Theorem~\ref{thm:jacobians-saltation}: "
+        r"a crossing multiplies by $\operatorname{diag}(1, F^{+}/F^{-})$; an onset by "
+        r"$\operatorname{diag}(1, 0)$, of rank one: the direction of the velocity is forgotten; "
+        r"the end of a stick changes nothing, it only takes place sooner or later.",
         _events_table(),
     )
     lasts = lengths()
     yield (
         r"\subsection{Where they end}",
         r"The theorem divides by $F^{-}$ or $\dot{F}$. Where one of them vanishes, and where "
-        r"$F^{+} = 0$ at a contact, "
-        r"another event is born, and the derivatives differ on the two sides. Let $\epsilon > 0$ "
-        r"be how far $q$ has "
-        r"gone beyond that point, and $b > 0$ the first derivative that does not vanish. To "
-        r"leading order",
-        r"\begin{enumerate}"
-        r"\item[(i)] a flight that without the belt would go beyond its speed by the velocity "
-        r"$\epsilon$ meets it before that, by the time",
+        r"$F^{+} = 0$ at a contact, another event is born, and the derivatives differ on the two "
+        r"sides. Let $\epsilon > 0$ be how far $q$ has gone beyond that point, and $b > 0$ the "
+        r"first derivative that does not vanish. To leading order",
+        r"\begin{enumerate}\item[(i)] a flight that without the belt would go beyond its speed by "
+        r"the velocity $\epsilon$ meets it before that, by the time",
         lasts["graze"],
         r"A belt with friction lets no flight pass there (Lemma~\ref{thm:motion-jump}): the mass "
         r"sticks. It meets the belt with $F = b s$, and along the belt $F$ falls with the rate $b$ "
@@ -151,19 +137,16 @@ def items(scope: Scope) -> Items:
         r"\item[(ii)] a stick that begins with $F = -\epsilon$ and rises with the rate $b$ lasts "
         r"for",
         lasts["stick"],
-        r"\item[(iii)] a slip that begins with $F = \epsilon$ and falls with the rate $b$ lasts "
-        r"for",
+        r"\item[(iii)] a slip that begins with $F = \epsilon$ and falls with the rate $b$ lasts for",
         lasts["slip-short"],
         r"\item[(iv)] a stick during which $F = \epsilon - b s^2/2$ is interrupted from $-s$ to "
-        r"$2s$, with the $s$ of "
-        r"\eqref{eq:exponents-graze}:",
+        r"$2s$, with the $s$ of \eqref{eq:exponents-graze}:",
         lasts["interrupted"],
         r"so that the slip lasts for",
         lasts["interrupted-slip"],
         r"\end{enumerate}",
-        r"So in (i) and (iv) times grow with the square root on one side, and no derivative "
-        r"exists there. In (ii) and "
-        r"(iii) each side has its own derivatives.",
+        r"So in (i) and (iv) times grow with the square root on one side, and no derivative exists "
+        r"there. In (ii) and (iii) each side has its own derivatives.",
         _graze_example(),
     )
     chi = sp.Symbol(r"\chi_j", positive=True)
@@ -177,14 +160,12 @@ def items(scope: Scope) -> Items:
         r"\subsection{Lyapunov exponents}",
         r"Let $M(t)$ be the product of the matrices of all pieces up to the time $t$ "
         r"(Theorem~\ref{thm:jacobians-monodromy}). The \emph{Lyapunov exponents} $\Lambda_1 \ge "
-        r"\Lambda_2$ of the "
-        r"motion are the limits for $t \to \infty$ (upper limits, if there are none) of "
-        r"$\frac{1}{t}\ln\|M(t)\| = "
-        r"\Lambda_1$ and $\frac{1}{t}\ln|\det M(t)| = \Lambda_1 + \Lambda_2$.",
+        r"\Lambda_2$ of the motion are the limits for $t \to \infty$ (upper limits, if there are "
+        r"none) of $\frac{1}{t}\ln\|M(t)\| = \Lambda_1$ and $\frac{1}{t}\ln|\det M(t)| = \Lambda_1 "
+        r"+ \Lambda_2$.",
         r"\begin{theorem}[exponents]\label{thm:exponents-lyapunov} Let a motion be regular "
-        r"(Definition~\ref{thm:jacobians-regular}), and let $\chi_j = "
-        r"F^{+}/F^{-}$ at its crossings.\begin{enumerate}\item[(i)] $\Lambda_1 \le "
-        r"0$.\item[(ii)] $\Lambda_2 = "
+        r"(Definition~\ref{thm:jacobians-regular}), and let $\chi_j = F^{+}/F^{-}$ at its "
+        r"crossings.\begin{enumerate}\item[(i)] $\Lambda_1 \le 0$.\item[(ii)] $\Lambda_2 = "
         r"-\infty$ once the mass has stuck. Without sticks a flight and its crossing contribute",
         equation(
             change,
@@ -193,20 +174,16 @@ def items(scope: Scope) -> Items:
             "area",
         ),
         step(chi, "<=", 1, sign({chi: after / (after + 2 * mu * solution.FN / m)}), "chi"),
-        r"so that $\Lambda_1 + \Lambda_2 \le -c/m$."
-        r"\item[(iii)] On a periodic motion with the multipliers $\rho_j$, $\Lambda_j = "
-        r"\ln|\rho_j|/\mathcal{T}$."
-        r"\item[(iv)] For $c > 0$ and $k > 0$ the motion that attracts all others has $\Lambda_1 "
-        r"< 0$ if it has "
-        r"a flight.\end{enumerate}\end{theorem}",
+        r"so that $\Lambda_1 + \Lambda_2 \le -c/m$.\item[(iii)] On a periodic motion with the "
+        r"multipliers $\rho_j$, $\Lambda_j = \ln|\rho_j|/\mathcal{T}$.\item[(iv)] For $c > 0$ and "
+        r"$k > 0$ the motion that attracts all others has $\Lambda_1 < 0$ if it has a "
+        r"flight.\end{enumerate}\end{theorem}",
         r"\begin{proof} (i) For $k > 0$ no factor increases the energy norm (proof of "
         r"Theorem~\ref{thm:jacobians-monodromy}), so $M(t)$ is bounded. For $k = 0$ the change "
-        r"$\delta\dot{x}$ does "
-        r"not grow, and $\delta x$ no faster than $t$. (ii) $\operatorname{diag}(1, 0)$ makes "
-        r"$\det M(t) = 0$; without "
-        r"it \eqref{eq:exponents-area} is \eqref{eq:jacobians-det} and "
-        r"Theorem~\ref{thm:jacobians-saltation}. "
-        r"(iii) $M(n\mathcal{T}) = M(\mathcal{T})^n$. (iv) Theorem~\ref{thm:jacobians-monodromy} "
+        r"$\delta\dot{x}$ does not grow, and $\delta x$ no faster than $t$. (ii) "
+        r"$\operatorname{diag}(1, 0)$ makes $\det M(t) = 0$; without it \eqref{eq:exponents-area} "
+        r"is \eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}. (iii) "
+        r"$M(n\mathcal{T}) = M(\mathcal{T})^n$. (iv) Theorem~\ref{thm:jacobians-monodromy} "
         r"(i).\end{proof}",
         _exponents_table(),
     )
@@ -222,53 +199,37 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{There is no chaos}",
         r"\begin{theorem}[no chaos]\label{thm:exponents-chaos} Let $k > 0$ and $c \ge 0$. In the "
-        r"norm $\|(y, "
-        r"\dot{y})\|^2 = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$, the map of the states over one "
-        r"period of the drive "
-        r"moves no two states apart. Therefore\begin{enumerate}\item[(i)] its topological "
-        r"entropy on every compact "
-        r"invariant set is 0: it has no horseshoe;\item[(ii)] no motion depends sensitively on "
-        r"its start, and no "
-        r"Lyapunov exponent is positive;\item[(iii)] no multiplier leaves the unit circle; for "
-        r"$c > 0$ no "
-        r"period doubles, no torus is born and no periodic motions fold (for $c = 0$ see "
-        r"Corollary~\ref{thm:undamped-survives});\item[(iv)] for $c > 0$ all "
-        r"motions tend to one, or each to a rest (Theorem~\ref{thm:orbits-unique}), and then the "
-        r"rests of two motions "
-        r"are no farther apart than their starts.\end{enumerate}\end{theorem}",
+        r"norm $\|(y, \dot{y})\|^2 = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$, the map of the states "
+        r"over one period of the drive moves no two states apart. "
+        r"Therefore\begin{enumerate}\item[(i)] its topological entropy on every compact invariant "
+        r"set is 0: it has no horseshoe;\item[(ii)] no motion depends sensitively on its start, "
+        r"and no Lyapunov exponent is positive;\item[(iii)] no multiplier leaves the unit circle; "
+        r"for $c > 0$ no period doubles, no torus is born and no periodic motions fold (for $c = "
+        r"0$ see Corollary~\ref{thm:undamped-survives});\item[(iv)] for $c > 0$ all motions tend "
+        r"to one, or each to a rest (Theorem~\ref{thm:orbits-unique}), and then the rests of two "
+        r"motions are no farther apart than their starts.\end{enumerate}\end{theorem}",
         r"\begin{proof} $\|\cdot\|$ is a norm, since $k > 0$ and $m > 0$.",
         facts(*(step(form[i, i], ">", 0, sign()) for i in (0, 1))),
-        r"Along the difference of two motions its square does not grow by "
-        r"\eqref{eq:motion-energy} and "
-        r"Lemma~\ref{thm:motion-monotone}. (i) Cover a compact invariant set with $N$ balls of "
-        r"the radius "
-        r"$\epsilon/2$. Two states in one ball stay closer than $\epsilon$ under all iterates, "
-        r"so $N$ orbits of the "
-        r"length $n$ represent all others to within $\epsilon$, for every $n$. The entropy at "
-        r"this scale is",
+        r"Along the difference of two motions its square does not grow by \eqref{eq:motion-energy} "
+        r"and Lemma~\ref{thm:motion-monotone}. (i) Cover a compact invariant set with $N$ balls of "
+        r"the radius $\epsilon/2$. Two states in one ball stay closer than $\epsilon$ under all "
+        r"iterates, so $N$ orbits of the length $n$ represent all others to within $\epsilon$, for "
+        r"every $n$. The entropy at this scale is",
         equation(entropy, 0, {entropy: sp.limit(sp.log(count) / n, n, sp.oo)}, "entropy"),
         r"for all $\epsilon > 0$, while a horseshoe has at least",
         step(horseshoe, ">", 0, sign({horseshoe: sp.log(2)}), "horseshoe"),
         r"(ii) Two motions that start closer than $\epsilon$ stay closer than $\epsilon$; "
         r"Theorem~\ref{thm:exponents-lyapunov} (i). (iii) Theorem~\ref{thm:jacobians-monodromy} "
-        r"(i); for $c > 0$ all "
-        r"periodic motions are one with the period of the drive, or rests "
-        r"(Theorem~\ref{thm:orbits-unique}). "
-        r"(iv) The distance does not grow.\end{proof}",
+        r"(i); for $c > 0$ all periodic motions are one with the period of the drive, or rests "
+        r"(Theorem~\ref{thm:orbits-unique}). (iv) The distance does not grow.\end{proof}",
         r"\begin{remark}[what chaos needs]\label{thm:exponents-needs} The proof uses two facts: "
-        r"the spring and the "
-        r"damper are linear with $k > 0$, $c \ge 0$, and friction never grows when the mass "
-        r"moves faster against a "
-        r"belt. Chaos in friction oscillators is reported where one of them fails: static "
-        r"friction above kinetic "
-        r"friction, friction that falls with speed, friction with a memory, a spring that is not "
-        r"linear, negative "
-        r"damping. A simulation of this model that shows chaos has an error in its events or its "
-        r"steps, or has not "
-        r"settled: for $c = 0$ motions may settle slowly, or to one of a continuum of periodic "
-        r"or quasi-periodic "
-        r"motions "
-        r"(Chapter~\ref{sec:undamped}).\end{remark}",
+        r"the spring and the damper are linear with $k > 0$, $c \ge 0$, and friction never grows "
+        r"when the mass moves faster against a belt. Chaos in friction oscillators is reported "
+        r"where one of them fails: static friction above kinetic friction, friction that falls "
+        r"with speed, friction with a memory, a spring that is not linear, negative damping. A "
+        r"simulation of this model that shows chaos has an error in its events or its steps, or "
+        r"has not settled: for $c = 0$ motions may settle slowly, or to one of a continuum of "
+        r"periodic or quasi-periodic motions (Chapter~\ref{sec:undamped}).\end{remark}",
     )
 
 
@@ -285,7 +246,7 @@ def lengths() -> dict[str, Step]:
     before = next(-root for root in sp.solve(bump, s) if root.is_negative)
     fading = bump.diff(s).subs(s, -s) - b * length
     returns = [at for at in sp.solve(sp.integrate(bump, (s, -before, end)), end) if at.is_positive]
-    found = {
+    rows = {
         "graze": (s, half, {s: before}),
         "graze-stick": (length, s, {length: sp.solve(fading, length)[0]}),
         "stick": (length, e / b, {length: sp.solve(b * length - e, length)[0]}),
@@ -293,7 +254,7 @@ def lengths() -> dict[str, Step]:
         "interrupted": (total, 0, {total: sp.integrate(bump, (s, -before, 2 * before))}),
         "interrupted-slip": (length, 3 * s, {length: returns[0] + before, s: half}),
     }
-    return {label: equation(*parts, label) for label, parts in found.items()}
+    return {label: equation(*parts, label) for label, parts in rows.items()}
 
 
 def _in_numbers(expr: Any, scope: Scope) -> Any:
@@ -322,10 +283,8 @@ def _graze_example() -> Items:
     off = {ratio: sp.Float(CONTEXT.nstr(abs(stick / leading - 1), 20), 20)}
     return (
         r"The paper's Fig.~7 is an example, with the other value of $A_0$ in "
-        r"Chapter~\ref{sec:errata}: from the "
-        r"printed "
-        r"digits of its start the mass does not graze, but sticks for some time $\ell$, beside "
-        r"the $s$ of (i):",
+        r"Chapter~\ref{sec:errata}: from the printed digits of its start the mass does not graze, "
+        r"but sticks for some time $\ell$, beside the $s$ of (i):",
         decimal("s", leading, 7),
         decimal(r"\ell", stick, 7, note="so that"),
         step(ratio, "<", sp.Rational(1, 1000), at_root(lambda: off)),
@@ -354,9 +313,11 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
         alpha: number(sign * p.FN / p.m) * by_friction for alpha, sign in ((1, 1), (2, -1), (3, -1))
     }
     before = number(start.t0)
-    found = []
+    slopes = []
     for event in path.events[:EVENTS]:
-        t, phase, belt = number(event.t), number(p.Omega) * number(event.t), event.boundary
+        t = number(event.t)
+        phase = number(p.Omega) * t
+        belt = event.boundary
         where = (belt, number(event.x), phase)
         source = int(event.source[-1])
         target = int(event.target[-1])
@@ -367,7 +328,7 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
                 e0 * dv - w0 * e1 * dx + e1 * push[source],
             )
             fore = force_at_belt(p, source, *where)
-            found.append(-dv * number(p.m) / fore)
+            slopes.append(-dv * number(p.m) / fore)
             if event.target.startswith("Omega"):
                 dv = dv * force_at_belt(p, target, *where) / fore
             else:
@@ -376,9 +337,9 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
             rate = -(
                 number(p.k * p.belt(belt)) + number(p.B0 * p.Omega) * CONTEXT.sin(phase)
             ) / number(p.m)
-            found.append((w0 * dx - push[target]) / rate)
+            slopes.append((w0 * dx - push[target]) / rate)
         before = t
-    return found
+    return slopes
 
 
 def _events_table() -> Table:
@@ -394,10 +355,9 @@ def _events_table() -> Table:
     events = enumerate(ran["x0"].trajectory.events[:EVENTS])
     return Table(
         "tab:exponents-events",
-        r"The first events of the paper's Fig.~5: $t_q$ as found by \texttt{sensitivities}, to "
-        r"24 decimals (half a "
-        r"unit of the last one). The matrices of this section, multiplied with 50 digits, give "
-        r"the same.",
+        r"The first events of the paper's Fig.~5: $t_q$ as found by \texttt{sensitivities}, to 24 "
+        r"decimals (half a unit of the last one). The matrices of this section, multiplied with 50 "
+        r"digits, give the same.",
         ("", "", "$t_q$ for $q = x_0$", r"$t_q$ for $q = \mu_1$"),
         tuple((str(n + 1), event.kind, *(cell(q, n) for q in known)) for n, event in events),
         columns="rlrr",
@@ -443,8 +403,7 @@ def _exponents_table() -> Table:
     return Table(
         "tab:exponents-lyapunov",
         r"Exponents of the orbits of the paper's Figs.~9 and 10: by (ii) and (iii) with many "
-        r"digits, and by "
-        r"\texttt{sensitivities} over up to 100 periods (\emph{run}).",
+        r"digits, and by \texttt{sensitivities} over up to 100 periods (\emph{run}).",
         ("", "formula", "run"),
         tuple(rows),
         columns="lrr",

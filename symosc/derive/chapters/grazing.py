@@ -9,7 +9,6 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, G, Scope, v_lambda
 from symosc.derive.steps import (
     Check,
@@ -26,6 +25,7 @@ from symosc.derive.steps import (
 from symosc.kernels.theorem7_cases import PLACES
 from symosc.scenes import load_scene
 from symosc.symbolic import solution, theorem7
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import B0, A, Omega, c, k, m, t, theta, v, x
 
 TITLE = "Grazing: Theorem 7 with all cases"
@@ -63,18 +63,13 @@ def items(scope: Scope) -> Items:
         rows.append((f"$P_{mapping[1]}$", *where, *condition, f"({place.equation})"))
     yield (
         r"\subsection{What a contact fixes}",
-        r"\begin{definition}[graze]\label{thm:grazing-graze} "
-        r"Let the flow of $\Omega_\alpha$ come to the boundary $\dot{x} = v_\lambda$ at the time "
-        r"$t_m$, at the "
-        r"position $x_m$ and the phase $\theta_m = \Omega t_m$ modulo $2\pi$, with $F^{(\alpha)} "
-        r"= 0$. It "
-        r"\emph{grazes} if it stays in $\Omega_\alpha$ right before and right after $t_m$. It "
-        r"\emph{grazes to first "
-        r"order} if $\sigma G^{(1,\alpha)} < 0$, with $\sigma = 1$ for a boundary above the "
-        r"domain and $\sigma = -1$ "
-        r"for one below. Table~\ref{tab:grazing-places} has the four places; the paper names "
-        r"each by a "
-        r"mapping.\end{definition}",
+        r"\begin{definition}[graze]\label{thm:grazing-graze} Let the flow of $\Omega_\alpha$ come "
+        r"to the boundary $\dot{x} = v_\lambda$ at the time $t_m$, at the position $x_m$ and the "
+        r"phase $\theta_m = \Omega t_m$ modulo $2\pi$, with $F^{(\alpha)} = 0$. It \emph{grazes} "
+        r"if it stays in $\Omega_\alpha$ right before and right after $t_m$. It \emph{grazes to "
+        r"first order} if $\sigma G^{(1,\alpha)} < 0$, with $\sigma = 1$ for a boundary above the "
+        r"domain and $\sigma = -1$ for one below. Table~\ref{tab:grazing-places} has the four "
+        r"places; the paper names each by a mapping.\end{definition}",
         Table(
             "tab:grazing-places",
             r"Where a flow can graze: domain, boundary and side, and when it does to first order.",
@@ -89,10 +84,9 @@ def items(scope: Scope) -> Items:
     )
     critical = {CRITICAL: sp.asin(-k * v_lambda / (B0 * Omega))}
     yield (
-        r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} "
-        r"At such a contact the paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the "
-        r"parameters, and with "
-        r"the amplitude $a$,",
+        r"\begin{lemma}[what a contact fixes]\label{thm:grazing-contact} At such a contact the "
+        r"paper's $\gamma = (c/m)\ddot{x} + (k/m)\dot{x}$ is fixed by the parameters, and with the "
+        r"amplitude $a$,",
         gamma,
         amplitude,
         r"the first G-function depends on the phase alone:",
@@ -108,65 +102,51 @@ def items(scope: Scope) -> Items:
         r"$\Theta^{\mathrm{cr}} = \arcsin(-\gamma/a)$ and $\pi - \Theta^{\mathrm{cr}}$, where",
         equation(sp.sin(CRITICAL), -GAMMA / AMPLITUDE, values | critical, "critical"),
         r"\end{lemma}",
-        r"\begin{proof} $\ddot{x} = F^{(\alpha)} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. Put "
-        r"both into "
-        r"\eqref{eq:switching-g1} and \eqref{eq:motion-acceleration}. So of the paper's ``four "
-        r"unknowns'' with three "
-        r"equations only the phase is free, and $\gamma$ does not vary along the family of "
-        r"contacts: the case of the "
-        r"theorem is decided by the parameters.\end{proof}",
+        r"\begin{proof} $\ddot{x} = F^{(\alpha)} = 0$ and $\dot{x} = v_\lambda$ at $t_m$. Put both "
+        r"into \eqref{eq:switching-g1} and \eqref{eq:motion-acceleration}. So of the paper's "
+        r"``four unknowns'' with three equations only the phase is free, and $\gamma$ does not "
+        r"vary along the family of contacts: the case of the theorem is decided by the "
+        r"parameters.\end{proof}",
     )
     yield (
         r"\subsection{The theorem}",
         r"\begin{theorem}[the paper's Theorem 7, (55) to (58), "
-        r"completed]\label{thm:grazing-theorem7} "
-        r"Let $m, \Omega > 0$ and $c, k \ge 0$, let $P_j$ be one of $P_2$, $P_3$, $P_5$, $P_6$ "
-        r"with "
-        r"$(\alpha, \lambda, \sigma)$ from Table~\ref{tab:grazing-places}, and let the flow of "
-        r"$\Omega_\alpha$ have "
-        r"$\dot{x} = v_\lambda$ and $F^{(\alpha)} = 0$ at $t_m$. With $\gamma$, $a$ and "
-        r"$\Theta^{\mathrm{cr}}$ as in "
-        r"Lemma~\ref{thm:grazing-contact} and $a \ge 0$, it grazes to first order iff $\theta_m "
-        r"\in [0, 2\pi)$ is in "
-        r"the set of Table~\ref{tab:grazing-windows}. For $a < 0$ the sets are those of $-a$, "
-        r"moved by $\pi$ modulo "
-        r"$2\pi$.\end{theorem}",
+        r"completed]\label{thm:grazing-theorem7} Let $m, \Omega > 0$ and $c, k \ge 0$, let $P_j$ "
+        r"be one of $P_2$, $P_3$, $P_5$, $P_6$ with $(\alpha, \lambda, \sigma)$ from "
+        r"Table~\ref{tab:grazing-places}, and let the flow of $\Omega_\alpha$ have $\dot{x} = "
+        r"v_\lambda$ and $F^{(\alpha)} = 0$ at $t_m$. With $\gamma$, $a$ and "
+        r"$\Theta^{\mathrm{cr}}$ as in Lemma~\ref{thm:grazing-contact} and $a \ge 0$, it grazes to "
+        r"first order iff $\theta_m \in [0, 2\pi)$ is in the set of "
+        r"Table~\ref{tab:grazing-windows}. For $a < 0$ the sets are those of $-a$, moved by $\pi$ "
+        r"modulo $2\pi$.\end{theorem}",
         windows_table(),
-        r"\begin{proof} By \eqref{eq:grazing-G1}, $\sigma G^{(1,\alpha)} < 0$ is $\sigma(\gamma "
-        r"+ a\sin\theta_m) > 0$. "
-        r"For $a > 0$ this is $\sin\theta_m > -\gamma/a$ for $\sigma = 1$ and $\sin\theta_m < "
-        r"-\gamma/a$ for "
-        r"$\sigma = -1$. The sine takes the value $-\gamma/a$ twice on the circle if $|\gamma| < "
-        r"a$, at "
-        r"$\Theta^{\mathrm{cr}}$ and $\pi - \Theta^{\mathrm{cr}}$; once if $|\gamma| = a$, at "
-        r"$3\pi/2$ or $\pi/2$; and "
-        r"not at all if $|\gamma| > a$. On each arc between these points the sign is the same, "
-        r"and it is decided at "
-        r"one of $0$, $\pi/2$, $\pi$, $3\pi/2$. For $\gamma > 0$ the angle "
-        r"$\Theta^{\mathrm{cr}}$ is negative: "
-        r"$2\pi + \Theta^{\mathrm{cr}} = 2\pi - |\Theta^{\mathrm{cr}}|$ and "
-        r"$\pi - \Theta^{\mathrm{cr}} = \pi + |\Theta^{\mathrm{cr}}|$, which is how the paper "
-        r"writes the ends. Where "
-        r"the paper writes a closed end $2\pi]$, it is the phase 0. For $a = 0$ the condition is "
-        r"$\sigma\gamma > 0$, "
-        r"at every phase or at none. For $a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
+        r"\begin{proof} By \eqref{eq:grazing-G1}, $\sigma G^{(1,\alpha)} < 0$ is $\sigma(\gamma + "
+        r"a\sin\theta_m) > 0$. For $a > 0$ this is $\sin\theta_m > -\gamma/a$ for $\sigma = 1$ and "
+        r"$\sin\theta_m < -\gamma/a$ for $\sigma = -1$. The sine takes the value $-\gamma/a$ twice "
+        r"on the circle if $|\gamma| < a$, at $\Theta^{\mathrm{cr}}$ and $\pi - "
+        r"\Theta^{\mathrm{cr}}$; once if $|\gamma| = a$, at $3\pi/2$ or $\pi/2$; and not at all if "
+        r"$|\gamma| > a$. On each arc between these points the sign is the same, and it is decided "
+        r"at one of $0$, $\pi/2$, $\pi$, $3\pi/2$. For $\gamma > 0$ the angle "
+        r"$\Theta^{\mathrm{cr}}$ is negative: $2\pi + \Theta^{\mathrm{cr}} = 2\pi - "
+        r"|\Theta^{\mathrm{cr}}|$ and $\pi - \Theta^{\mathrm{cr}} = \pi + |\Theta^{\mathrm{cr}}|$, "
+        r"which is how the paper writes the ends. Where the paper writes a closed end $2\pi]$, it "
+        r"is the phase 0. For $a = 0$ the condition is $\sigma\gamma > 0$, at every phase or at "
+        r"none. For $a < 0$, $a\sin\theta_m = (-a)\sin(\theta_m + \pi)$, by",
         equation(
             named(r"\sin(\theta_m + \pi)"), -sp.sin(THETA_M), sp.sin(THETA_M + sp.pi), "turned"
         ),
         r"\end{proof}",
         r"That the flow comes from $\Omega_\alpha$ is no further condition: by "
-        r"Lemma~\ref{thm:switching-side} the "
-        r"first G-function that does not vanish fixes the side before the contact too, and for "
-        r"odd order it is the "
-        r"side after it. With $F^{(\alpha)} = 0$ and $\sigma G^{(1,\alpha)} > 0$ the flow would "
-        r"come from the other "
-        r"side of the boundary, where it is not the motion.",
+        r"Lemma~\ref{thm:switching-side} the first G-function that does not vanish fixes the side "
+        r"before the contact too, and for odd order it is the side after it. With $F^{(\alpha)} = "
+        r"0$ and $\sigma G^{(1,\alpha)} > 0$ the flow would come from the other side of the "
+        r"boundary, where it is not the motion.",
         Illustration(
             "windows",
             "fig:grazing-windows",
             r"The case $0 < \gamma < a$ with $\gamma/a = 1/2$: where $\sin\theta$ is above its "
-            r"critical value $P_2$ "
-            r"and $P_5$ graze (grey), where it is below $P_3$ and $P_6$ do (hatched).",
+            r"critical value $P_2$ and $P_5$ graze (grey), where it is below $P_3$ and $P_6$ do "
+            r"(hatched).",
             0.95,
         ),
     )
@@ -191,58 +171,48 @@ def items(scope: Scope) -> Items:
     true = {third: true3, second: true2, AMPLITUDE: B0 * Omega / m}
     yield (
         r"\subsection{The ends of a window, and the case of equality}",
-        r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} "
-        r"Let $F^{(\alpha)} = G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs "
-        r"$|\gamma| \le |a|$.",
+        r"\begin{theorem}[the case of equality]\label{thm:grazing-equality} Let $F^{(\alpha)} = "
+        r"G^{(1,\alpha)} = 0$ at a contact, with $a \ne 0$; this needs $|\gamma| \le |a|$.",
         r"The next G-functions are",
         equation(second, -AMPLITUDE * Omega * sp.cos(THETA_M), true, "G2"),
         equation(third, AMPLITUDE * Omega**2 * sp.sin(THETA_M) - c * second / m, true, "G3"),
-        r"\begin{enumerate}"
-        r"\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow of "
-        r"$\Omega_\alpha$ crosses the "
-        r"boundary and does not graze. The windows are open at these ends in full order too."
-        r"\item[(ii)] If $|\gamma| = |a|$, then $G^{(2,\alpha)} = 0$ and $G^{(3,\alpha)} = "
-        r"-\gamma\Omega^2 \ne 0$: the "
-        r"flow touches to fourth order, and grazes iff $\sigma\gamma > 0$."
-        r"\end{enumerate}So in the rows $0 < \gamma = a$ for $P_2$ and $P_5$ and $\gamma = -a$ "
-        r"for $P_3$ and $P_6$ of "
-        r"Table~\ref{tab:grazing-windows} the phase that is taken out, $3\pi/2$ or $\pi/2$, "
-        r"grazes as well, and to "
-        r"full order these windows are the whole circle; all other rows stay as they "
-        r"are.\end{theorem}",
+        r"\begin{enumerate}\item[(i)] If $|\gamma| < |a|$, then $G^{(2,\alpha)} \ne 0$: the flow "
+        r"of $\Omega_\alpha$ crosses the boundary and does not graze. The windows are open at "
+        r"these ends in full order too.\item[(ii)] If $|\gamma| = |a|$, then $G^{(2,\alpha)} = 0$ "
+        r"and $G^{(3,\alpha)} = -\gamma\Omega^2 \ne 0$: the flow touches to fourth order, and "
+        r"grazes iff $\sigma\gamma > 0$.\end{enumerate}So in the rows $0 < \gamma = a$ for $P_2$ "
+        r"and $P_5$ and $\gamma = -a$ for $P_3$ and $P_6$ of Table~\ref{tab:grazing-windows} the "
+        r"phase that is taken out, $3\pi/2$ or $\pi/2$, grazes as well, and to full order these "
+        r"windows are the whole circle; all other rows stay as they are.\end{theorem}",
     )
     third = G(3)
     square = named(r"\gamma + a\sin\theta_m|_{\gamma = -a}")
     half = sp.sin(THETA_M / 2) - sp.cos(THETA_M / 2)
     value = {third: true3.subs(THETA_M, 3 * sp.pi / 2), GAMMA: B0 * Omega / m}
-    other = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
-    fourth = [equation(third, -GAMMA * Omega**2, each) for each in (value, other)]
+    opposite = {third: true3.subs(THETA_M, sp.pi / 2), GAMMA: -B0 * Omega / m}
+    fourth = [equation(third, -GAMMA * Omega**2, meaning) for meaning in (value, opposite)]
     sine = named(r"\sin\theta_m")
     cosine = named(r"\cos\theta_m")
     at_ends = [
-        each
+        step
         for phase, sign in ((sp.pi / 2, 1), (3 * sp.pi / 2, -1))
-        for each in (
+        for step in (
             equation(sine, sign, {sine: sp.sin(phase)}),
             equation(cosine, 0, {cosine: sp.cos(phase)}),
         )
     ]
     yield (
         r"\begin{proof} \eqref{eq:grazing-G2} and \eqref{eq:grazing-G3} are "
-        r"\eqref{eq:switching-g2} and "
-        r"\eqref{eq:switching-g3} with $F^{(\alpha)} = G^{(1,\alpha)} = 0$. (i) There "
-        r"$|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, and "
-        r"Lemma~\ref{thm:switching-side} applies with "
-        r"$n = 2$.",
+        r"\eqref{eq:switching-g2} and \eqref{eq:switching-g3} with $F^{(\alpha)} = G^{(1,\alpha)} "
+        r"= 0$. (i) There $|\sin\theta_m| = |\gamma/a| < 1$, so $\cos\theta_m \ne 0$, and "
+        r"Lemma~\ref{thm:switching-side} applies with $n = 2$.",
         r"(ii) There $\sin\theta_m = -\gamma/a = \pm 1$ and $\cos\theta_m = 0$, so "
         rf"$G^{{(3,\alpha)}} = {latex(AMPLITUDE * Omega**2 * sp.sin(THETA_M))} = "
         rf"{latex(fourth[0].right)}$.",
         facts(*at_ends, *fourth),
-        r"The lemma applies with $n = 3$: the flow stays in $\Omega_\alpha$ iff "
-        r"$\sigma G^{(3,\alpha)} < 0$. In the other rows with $|\gamma| = a$ no phase grazes at "
-        r"all, for example in "
-        r"the row $\gamma = -a$ of $P_2$ "
-        r"and $P_5$, which the paper lacks, where",
+        r"The lemma applies with $n = 3$: the flow stays in $\Omega_\alpha$ iff $\sigma "
+        r"G^{(3,\alpha)} < 0$. In the other rows with $|\gamma| = a$ no phase grazes at all, for "
+        r"example in the row $\gamma = -a$ of $P_2$ and $P_5$, which the paper lacks, where",
         equation(square, -AMPLITUDE * half**2, -AMPLITUDE + AMPLITUDE * sp.sin(THETA_M), "square"),
         r"is never positive.\end{proof}",
     )
@@ -253,8 +223,8 @@ def items(scope: Scope) -> Items:
     yield (
         rf"The paper's Figs.~7 and 8 are both cases of equality: $\gamma = a = {latex(gamma7)}$ "
         r"for $P_2$ in Fig.~7, "
-        rf"and "
-        rf"$\gamma = {latex(gamma8)}$, $a = {latex(a8)}$ for $P_3$ in Fig.~8. The graze at $t_m "
+        rf"and $\gamma = {latex(gamma8)}$, $a = {latex(a8)}$ for $P_3$ in Fig.~8. The graze at "
+        rf"$t_m "
         r"= \pi$ is not at the "
         rf"excluded phase in "
         r"either of them.",
@@ -274,7 +244,7 @@ def items(scope: Scope) -> Items:
     # At F = 0 and sin theta = 0, where the cosine is 1 or -1.
     turning = {A: sp.solve(plain, A)[0]}
     flat, curve = (
-        sp.expand(each.subs(turning)).subs(sp.sin(THETA_M), 0) for each in (first, second)
+        sp.expand(expr.subs(turning)).subs(sp.sin(THETA_M), 0) for expr in (first, second)
     )
     inflection = (
         *(equation(phase, value, {phase: sp.cos(at)}) for value, at in ((1, 0), (-1, sp.pi))),
@@ -288,19 +258,16 @@ def items(scope: Scope) -> Items:
     )
     yield (
         r"\subsection{No spring}",
-        r"\begin{corollary}[no spring]\label{thm:grazing-no-spring} "
-        r"Let $k = 0$ and $B_0 \ne 0$. Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase "
-        r"instead of the "
-        r"position, which is free:",
+        r"\begin{corollary}[no spring]\label{thm:grazing-no-spring} Let $k = 0$ and $B_0 \ne 0$. "
+        r"Then $\gamma = 0$, and $F^{(\alpha)} = 0$ fixes the phase instead of the position, which "
+        r"is free:",
         equation(phase, (c * v_lambda - A) / B0, solved, "no-spring"),
         r"If the right side is below 1 in size, there is one such phase with $\sin\theta_m > 0$ "
-        r"and one with "
-        r"$\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and $P_5$, the "
-        r"second that of $P_3$ and "
-        r"$P_6$, for $B_0 < 0$ the other way round. Beyond 1 no contact has $F^{(\alpha)} = 0$.",
+        r"and one with $\sin\theta_m < 0$; for $B_0 > 0$ the first is the graze of $P_2$ and "
+        r"$P_5$, the second that of $P_3$ and $P_6$, for $B_0 < 0$ the other way round. Beyond 1 "
+        r"no contact has $F^{(\alpha)} = 0$.",
         rf"If it is $\pm 1$, then $\sin\theta_m = 0$ and $G^{{(1,\alpha)}} = 0 \ne "
-        rf"G^{{(2,\alpha)}} = "
-        rf"{latex(inflection[-1].right)}$, and nothing grazes.",
+        rf"G^{{(2,\alpha)}} = {latex(inflection[-1].right)}$, and nothing grazes.",
         facts(*inflection),
         r"\end{corollary}",
         r"\begin{proof} This is Theorem~\ref{thm:grazing-theorem7} in the row $\gamma = 0$, and "
@@ -331,10 +298,9 @@ def windows_table(label: str = "tab:grazing-windows") -> Table:
     """
     return Table(
         label,
-        r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper "
-        r"has neither the case "
-        r"$\gamma = -a$ of $P_2$ and $P_5$ nor those without a drive; in the last one the flow "
-        r"stays in the boundary.",
+        r"Theorem~7: the phases $\theta_m$ at which a contact grazes to first order. The paper has "
+        r"neither the case $\gamma = -a$ of $P_2$ and $P_5$ nor those without a drive; in the last "
+        r"one the flow stays in the boundary.",
         ("", r"$P_2$, $P_5$ ($\sigma = 1$)", r"$P_3$, $P_6$ ($\sigma = -1$)"),
         tuple(
             (words, _window("P2", gamma, a), _window("P3", gamma, a)) for gamma, a, words in CASES

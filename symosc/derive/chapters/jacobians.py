@@ -8,7 +8,6 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope
 from symosc.derive.steps import (
     CONTEXT,
@@ -27,6 +26,7 @@ from symosc.derive.steps import (
 from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.symbolic import maps, solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import E0, E1, E2, FN, Omega, a_i, cm, m, tau, theta_i, v_i, w0sq, x_i
 
 TITLE = "Derivatives, saltation and monodromy"
@@ -56,7 +56,7 @@ def items(scope: Scope) -> Items:
     matrix.
     """
     flow = solution.flow()
-    found = maps.flight_jacobian()
+    flight_slopes = maps.flight_jacobian()
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
     for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
@@ -65,26 +65,23 @@ def items(scope: Scope) -> Items:
         for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
             letter = partial(f"f_{which}", by)
             check = exact({letter: derivative} | ends, solution.use_relations)
-            rows.append(equation(letter, found[f"{short}_{key}"], check, f"f{which}-{key}"))
+            rows.append(equation(letter, flight_slopes[f"{short}_{key}"], check, f"f{which}-{key}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
-        r"\begin{proposition}[flights]\label{thm:jacobians-flight} "
-        r"For a flight (Theorem~\ref{thm:maps-flight}) with $\dot{x}_i = v_\lambda$, and with "
-        r"the velocity "
+        r"\begin{proposition}[flights]\label{thm:jacobians-flight} For a flight "
+        r"(Theorem~\ref{thm:maps-flight}) with $\dot{x}_i = v_\lambda$, and with the velocity "
         r"$\dot{x}(\tau)$ and the acceleration $\ddot{x}(\tau)$ at its end,",
         *rows,
         r"while $\partial f_1/\partial x_{i+1} = -1$ and $\partial f_2/\partial x_{i+1} = "
         r"0$.\end{proposition}",
-        r"\begin{proof} $\ddot{x}_i$ depends on $x_i$ and $\theta_i$ by \eqref{eq:maps-start}, "
-        r"and $\tau$ on both "
-        r"phases by \eqref{eq:maps-tau}. The derivatives by $\theta_i$ are short because moving "
-        r"a start along its own "
-        r"flow changes nothing at the end: $\dot{x}_i\,\partial/\partial x_i + "
-        r"\ddot{x}_i\,\partial/\partial\dot{x}_i + \Omega\,\partial/\partial\theta_i$ gives "
-        r"0.\end{proof}",
+        r"\begin{proof} $\ddot{x}_i$ depends on $x_i$ and $\theta_i$ by \eqref{eq:maps-start}, and "
+        r"$\tau$ on both phases by \eqref{eq:maps-tau}. The derivatives by $\theta_i$ are short "
+        r"because moving a start along its own flow changes nothing at the end: "
+        r"$\dot{x}_i\,\partial/\partial x_i + \ddot{x}_i\,\partial/\partial\dot{x}_i + "
+        r"\Omega\,\partial/\partial\theta_i$ gives 0.\end{proof}",
     )
     residual = maps.stick_residual()
-    found = maps.stick_jacobian()
+    stick_slopes = maps.stick_jacobian()
     theta_j = maps.theta_j
     where = {tau: (theta_j - theta_i) / Omega}
     entries = (
@@ -94,19 +91,18 @@ def items(scope: Scope) -> Items:
     slopes = [
         equation(
             partial(f"f_{n}", by),
-            found[key],
+            stick_slopes[key],
             residual[f"f{n}"].subs(where).diff(letter),
             f"stick-{key}",
         )
         for n, by, letter, key in entries
     ]
     yield (
-        r"\begin{proposition}[sticks]\label{thm:jacobians-stick} "
-        r"For a stick (Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",
+        r"\begin{proposition}[sticks]\label{thm:jacobians-stick} For a stick "
+        r"(Theorem~\ref{thm:maps-stick}) with $\dot{x}_i = v_\lambda$",
         *slopes,
         r"while $\partial f_1/\partial x_i = 1$, $\partial f_1/\partial x_{i+1} = -1$, and $f_2$ "
-        r"does not depend on "
-        r"$(x_i, \theta_i)$.\end{proposition}",
+        r"does not depend on $(x_i, \theta_i)$.\end{proposition}",
     )
     yield perturbations(), saltation()
     product = named(r"\rho_1\rho_2")
@@ -133,52 +129,36 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{The monodromy matrix}",
         r"\begin{definition}[regular motion]\label{thm:jacobians-regular} A motion is "
-        r"\emph{regular} if each of its "
-        r"flights arrives at a belt with $F \ne 0$ and touches none on its way; each contact is "
-        r"a passage with "
-        r"$F^{(\lambda)} F^{(\lambda+1)} > 0$, or the onset of a stick with $F^{(\lambda)} > 0 > "
-        r"F^{(\lambda+1)}$; and "
-        r"each stick is held with these strict signs up to its end, where one of the two "
-        r"accelerations vanishes with "
+        r"\emph{regular} if each of its flights arrives at a belt with $F \ne 0$ and touches none "
+        r"on its way; each contact is a passage with $F^{(\lambda)} F^{(\lambda+1)} > 0$, or the "
+        r"onset of a stick with $F^{(\lambda)} > 0 > F^{(\lambda+1)}$; and each stick is held with "
+        r"these strict signs up to its end, where one of the two accelerations vanishes with "
         r"$\dot{F} \ne 0$.\end{definition}",
-        r"So a regular motion grazes nowhere, but this is not enough: a passage with $F^{+} = "
-        r"0$, or a stick that is "
-        r"about to be interrupted, is no graze, and next to it events are born that the matrices "
-        r"below do not have "
-        r"(\eqref{eq:exponents-stick} to \eqref{eq:exponents-interrupted}).",
-        r"\begin{theorem}[monodromy and multipliers]\label{thm:jacobians-monodromy} "
-        r"Let a periodic motion that is regular and has the period $\mathcal{T}$ consist of "
-        r"flights and sticks "
-        r"with the durations $\tau_1, \ldots, \tau_n$. A small change of its state at the start "
-        r"is after $\mathcal{T}$ "
-        r"multiplied by the \emph{monodromy matrix} $M = S_n\Psi_n \cdots S_2\Psi_2 S_1\Psi_1$, "
-        r"where "
-        r"$\Psi_j = \Phi(\tau_j)$ for a flight, $\Psi_j = I$ for a stick, and $S_j$ is the "
-        r"saltation matrix at the end "
-        r"of the piece $j$. Its eigenvalues $\rho_1$ and $\rho_2$ are the \emph{multipliers}.",
-        r"\begin{enumerate}"
-        r"\item[(i)] $|\rho_1|, |\rho_2| \le 1$. For $c > 0$ and $k > 0$ both are below 1 in "
-        r"size if there is at least "
-        r"one flight."
-        r"\item[(ii)] A motion with a stick has a multiplier 0, and the other one is the trace "
-        r"of $M$."
-        r"\item[(iii)] A motion without sticks has $\rho_1\rho_2 = e^{-c\mathcal{T}/m}\prod_j "
-        r"F^{+}_j/F^{-}_j > 0$."
-        r"\end{enumerate}\end{theorem}",
+        r"So a regular motion grazes nowhere, but this is not enough: a passage with $F^{+} = 0$, "
+        r"or a stick that is about to be interrupted, is no graze, and next to it events are born "
+        r"that the matrices below do not have (\eqref{eq:exponents-stick} to "
+        r"\eqref{eq:exponents-interrupted}).",
+        r"\begin{theorem}[monodromy and multipliers]\label{thm:jacobians-monodromy} Let a periodic "
+        r"motion that is regular and has the period $\mathcal{T}$ consist of flights and sticks "
+        r"with the durations $\tau_1, \ldots, \tau_n$. A small change of its state at the start is "
+        r"after $\mathcal{T}$ multiplied by the \emph{monodromy matrix} $M = S_n\Psi_n \cdots "
+        r"S_2\Psi_2 S_1\Psi_1$, where $\Psi_j = \Phi(\tau_j)$ for a flight, $\Psi_j = I$ for a "
+        r"stick, and $S_j$ is the saltation matrix at the end of the piece $j$. Its eigenvalues "
+        r"$\rho_1$ and $\rho_2$ are the \emph{multipliers}.",
+        r"\begin{enumerate}\item[(i)] $|\rho_1|, |\rho_2| \le 1$. For $c > 0$ and $k > 0$ both are "
+        r"below 1 in size if there is at least one flight.\item[(ii)] A motion with a stick has a "
+        r"multiplier 0, and the other one is the trace of $M$.\item[(iii)] A motion without sticks "
+        r"has $\rho_1\rho_2 = e^{-c\mathcal{T}/m}\prod_j F^{+}_j/F^{-}_j > "
+        r"0$.\end{enumerate}\end{theorem}",
         r"\begin{proof} The product is finite (Theorem~\ref{thm:accumulation-finite}), by the "
-        r"chain rule. In a "
-        r"flight a small change $(y, \dot{y})$ obeys the unforced "
-        r"equation, and",
+        r"chain rule. In a flight a small change $(y, \dot{y})$ obeys the unforced equation, and",
         equation(energy, -solution.c * rate**2, meaning, "energy"),
         r"so $\Phi$ does not increase the energy norm $\tfrac{m}{2}\dot{y}^2 + \tfrac{k}{2}y^2$, "
-        r"and neither does $S$ "
-        r"by \eqref{eq:jacobians-bound}: no eigenvalue exceeds 1 (for $k = 0$ take the limit $k "
-        r"\to 0$ of the matrix). "
-        r"If $c > 0$ and $k > 0$, the energy can stay the same during a flight only if $\dot{y} "
-        r"= 0$ all the time, and "
-        r"then $k y = 0$; so no eigenvalue has the size 1. (ii) One factor "
-        r"$\operatorname{diag}(1, 0)$ makes "
-        r"$\det M = 0$. (iii) The determinant of a product is the product of the determinants, "
+        r"and neither does $S$ by \eqref{eq:jacobians-bound}: no eigenvalue exceeds 1 (for $k = 0$ "
+        r"take the limit $k \to 0$ of the matrix). If $c > 0$ and $k > 0$, the energy can stay the "
+        r"same during a flight only if $\dot{y} = 0$ all the time, and then $k y = 0$; so no "
+        r"eigenvalue has the size 1. (ii) One factor $\operatorname{diag}(1, 0)$ makes $\det M = "
+        r"0$. (iii) The determinant of a product is the product of the determinants, "
         r"\eqref{eq:jacobians-det} and Theorem~\ref{thm:jacobians-saltation}.\end{proof}",
         r"For the orbit $P_{32}$ of the paper's Fig.~9, whose multipliers are computed from "
         r"Proposition~\ref{thm:jacobians-flight}, both sides of (iii) agree to 40 digits:",
@@ -205,17 +185,15 @@ def perturbations() -> Items:
     area = exact(matrix | generic_basis(), lambda expr: sp.simplify(modes(expr)))
     return (
         r"\subsection{Perturbations of a motion}",
-        r"\begin{lemma}[perturbations in a domain]\label{thm:jacobians-phi} "
-        r"In a domain a small change of $(x_i, \dot{x}_i)$ at a fixed time is multiplied by the "
-        r"matrix $\Phi(\tau)$ "
+        r"\begin{lemma}[perturbations in a domain]\label{thm:jacobians-phi} In a domain a small "
+        r"change of $(x_i, \dot{x}_i)$ at a fixed time is multiplied by the matrix $\Phi(\tau)$ "
         r"with the entries",
         *rows,
         r"whatever the motion is, and areas shrink with the factor",
         equation(determinant, sp.exp(-cm * tau), area, "det"),
         r"\end{lemma}",
-        r"\begin{proof} The difference of two motions of a domain obeys the unforced equation. "
-        r"The determinant solves "
-        r"$\dot{w} = -(c/m)\,w$, $w(0) = 1$ (Liouville).\end{proof}",
+        r"\begin{proof} The difference of two motions of a domain obeys the unforced equation. The "
+        r"determinant solves $\dot{w} = -(c/m)\,w$, $w(0) = 1$ (Liouville).\end{proof}",
     )
 
 
@@ -238,11 +216,10 @@ def saltation() -> Items:
     ratio = AFTER / BEFORE
     upward = {BEFORE: AFTER + 2 * mu * FN / m, AFTER: lower}
     return (
-        r"\begin{theorem}[saltation]\label{thm:jacobians-saltation} "
-        r"Where a motion crosses $\dot{x} = v_\lambda$ with the accelerations $F^{-}$ before and "
-        r"$F^{+}$ after, both "
-        r"not 0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix "
-        r"$S = \operatorname{diag}(1, F^{+}/F^{-})$, and",
+        r"\begin{theorem}[saltation]\label{thm:jacobians-saltation} Where a motion crosses "
+        r"$\dot{x} = v_\lambda$ with the accelerations $F^{-}$ before and $F^{+}$ after, both not "
+        r"0, a small change $(\delta x, \delta\dot{x}^{-})$ is multiplied by the matrix $S = "
+        r"\operatorname{diag}(1, F^{+}/F^{-})$, and",
         facts(*entries),
         step(ratio, ">", 0, sign(upward), "ratio"),
         step(ratio, "<=", 1, sign(upward), "bound"),
@@ -258,17 +235,13 @@ def saltation() -> Items:
             {result: delta + BEFORE * shift - AFTER * shift} | delay,
             "after",
         ),
-        r"while $\delta x$ changes by terms of second order only. This is the general formula "
-        r"$S = I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ "
-        r"with "
-        r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A "
-        r"crossing upward has "
-        r"$F^{-} = F^{+} + 2\mu_\lambda F_N/m$ with $F^{+} > 0$ by Lemma~\ref{thm:motion-jump}, "
-        r"and downward both "
-        r"signs are turned, which gives the bounds. At the onset of a stick the belt takes the "
-        r"change of the velocity, "
-        r"$F^{+} = 0$; at its end the acceleration that the mass slips with starts at 0, on the "
-        r"belt it is 0, and the "
+        r"while $\delta x$ changes by terms of second order only. This is the general formula $S = "
+        r"I + (\mathbf{f}^{+} - \mathbf{f}^{-})\,\mathbf{n}^T/(\mathbf{n}^T\mathbf{f}^{-})$ with "
+        r"$\mathbf{f}^{\pm} = (v_\lambda, F^{\pm})^T$ \cite{leine2004,dibernardo2008}. A crossing "
+        r"upward has $F^{-} = F^{+} + 2\mu_\lambda F_N/m$ with $F^{+} > 0$ by "
+        r"Lemma~\ref{thm:motion-jump}, and downward both signs are turned, which gives the bounds. "
+        r"At the onset of a stick the belt takes the change of the velocity, $F^{+} = 0$; at its "
+        r"end the acceleration that the mass slips with starts at 0, on the belt it is 0, and the "
         r"general formula has $\mathbf{f}^{+} = \mathbf{f}^{-}$.\end{proof}",
     )
 
@@ -280,15 +253,15 @@ def multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
     50 digits.
     """
     p = load_scene(scene).parameters
-    found = find_orbit(p, word, digits=STEP_DIGITS + 5)
-    product = prod(map(CONTEXT.mpmathify, found.multipliers))
+    orbit = find_orbit(p, word, digits=STEP_DIGITS + 5)
+    product = prod(map(CONTEXT.mpmathify, orbit.multipliers))
     ratios = CONTEXT.mpf(1)
-    for (t, x), (before, after) in zip(found.points, ((2, 1), (1, 2)), strict=True):
+    for (t, x), (before, after) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
         end, start = (
             force_at_belt(p, alpha, 1, x, number(p.Omega) * t) for alpha in (after, before)
         )
         ratios *= end / start
-    return CONTEXT.re(product), CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(found.period)) * ratios
+    return CONTEXT.re(product), CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(orbit.period)) * ratios
 
 
 def force_at_belt(p: Any, alpha: int, belt: int, x: Any, phase: Any) -> Any:

@@ -7,7 +7,6 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.derive.latex import named
 from symosc.derive.scope import BELTS, LOWER, UPPER, F, Scope, mu_lambda, v_lambda
 from symosc.derive.steps import (
     Check,
@@ -23,6 +22,7 @@ from symosc.derive.steps import (
 )
 from symosc.friction import NEIGHBOURS
 from symosc.symbolic import solution
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import A0, B0, FN, Omega, c, k, m, mu1, mu2, t, v, x
 
 TITLE = "Equation of motion and friction law"
@@ -75,8 +75,8 @@ def stick_force(belt: int) -> Any:
     """Return the sum of all other forces on a mass that moves with a belt, without that belt's
     friction: eq. (2).
     """
-    other = 3 - belt
-    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[other] * FN * (1 if other == 2 else -1)
+    second = 3 - belt
+    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[second] * FN * (1 if second == 2 else -1)
 
 
 def at_each_belt(scope: Scope) -> Check:
@@ -99,47 +99,36 @@ def items(scope: Scope) -> Items:
     first = named("T_1")
     second = named("T_2")
     checks = (
-        exact({total: m * newton(alpha), first: one * mu1 * FN, second: two * mu2 * FN})
-        for alpha, (one, two) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
+        exact({total: m * newton(alpha), first: sign_1 * mu1 * FN, second: sign_2 * mu2 * FN})
+        for alpha, (sign_1, sign_2) in enumerate(((1, 1), (-1, 1), (-1, -1)), 1)
     )
     yield (
         r"\subsection{The balance of forces}",
         r"A mass $m > 0$ at the position $x(t)$ is held by a spring of stiffness $k \ge 0$ and a "
-        r"damper with the "
-        r"coefficient $c \ge 0$, and driven by the force $A_0 + B_0\cos\Omega t$ with the "
-        r"frequency $\Omega > 0$. Two "
-        r"belts are pressed against it with the normal force $F_N \ge 0$ each; belt $\lambda$ "
-        r"runs with the constant "
-        r"speed $v_\lambda$, $\lambda = 1, 2$, and $v_1 < v_2$. With the friction $T_\lambda$ "
-        r"that belt $\lambda$ "
-        r"exerts on the mass, Newton's law is",
+        r"damper with the coefficient $c \ge 0$, and driven by the force $A_0 + B_0\cos\Omega t$ "
+        r"with the frequency $\Omega > 0$. Two belts are pressed against it with the normal force "
+        r"$F_N \ge 0$ each; belt $\lambda$ runs with the constant speed $v_\lambda$, $\lambda = 1, "
+        r"2$, and $v_1 < v_2$. With the friction $T_\lambda$ that belt $\lambda$ exerts on the "
+        r"mass, Newton's law is",
         equation(total, A0 + B0 * WAVE - k * x - c * v + first + second, cases(*checks), "newton"),
-        r"\begin{definition}[Coulomb friction]\label{thm:motion-coulomb} "
-        r"Let $\operatorname{Sgn}(s) = \{1\}$ for $s > 0$, $\{-1\}$ for $s < 0$, and $[-1, 1]$ "
-        r"for $s = 0$. With the "
-        r"friction coefficients $\mu_\lambda \ge 0$ the friction of belt $\lambda$ is a force "
-        r"$T_\lambda \in -\mu_\lambda F_N \operatorname{Sgn}(\dot{x} - v_\lambda)$: it opposes "
-        r"the sliding of the mass "
-        r"on the belt, and is whatever is needed, within $\mu_\lambda F_N$, while the mass does "
-        r"not "
-        r"slide.\end{definition}",
-        r"\begin{definition}[motion, in the sense of Filippov]\label{thm:motion-motion} "
-        r"A \emph{motion} is a function $x(t)$ with an absolutely continuous velocity that "
-        r"satisfies "
+        r"\begin{definition}[Coulomb friction]\label{thm:motion-coulomb} Let "
+        r"$\operatorname{Sgn}(s) = \{1\}$ for $s > 0$, $\{-1\}$ for $s < 0$, and $[-1, 1]$ for $s "
+        r"= 0$. With the friction coefficients $\mu_\lambda \ge 0$ the friction of belt $\lambda$ "
+        r"is a force $T_\lambda \in -\mu_\lambda F_N \operatorname{Sgn}(\dot{x} - v_\lambda)$: it "
+        r"opposes the sliding of the mass on the belt, and is whatever is needed, within "
+        r"$\mu_\lambda F_N$, while the mass does not slide.\end{definition}",
+        r"\begin{definition}[motion, in the sense of Filippov]\label{thm:motion-motion} A "
+        r"\emph{motion} is a function $x(t)$ with an absolutely continuous velocity that satisfies "
         r"\eqref{eq:motion-newton}, with friction as in Definition~\ref{thm:motion-coulomb}, for "
-        r"almost all "
-        r"$t$.\end{definition}",
-        r"This is Filippov's notion of a solution \cite{filippov1988} for an equation whose "
-        r"right side jumps at "
-        r"$\dot{x} = v_1$ and $\dot{x} = v_2$. Figure~\ref{fig:motion-friction} shows $T_1 + "
-        r"T_2$; the paper's (1) has "
-        r"$-(T_1 + T_2)$, the resistance.",
+        r"almost all $t$.\end{definition}",
+        r"This is Filippov's notion of a solution \cite{filippov1988} for an equation whose right "
+        r"side jumps at $\dot{x} = v_1$ and $\dot{x} = v_2$. Figure~\ref{fig:motion-friction} "
+        r"shows $T_1 + T_2$; the paper's (1) has $-(T_1 + T_2)$, the resistance.",
         Illustration(
             "friction",
             "fig:motion-friction",
-            r"The friction of both belts against the velocity $\dot{x}$ of the mass. At the "
-            r"speed of a belt its "
-            r"friction can take every value of an interval (thick).",
+            r"The friction of both belts against the velocity $\dot{x}$ of the mass. At the speed "
+            r"of a belt its friction can take every value of an interval (thick).",
             0.75,
         ),
     )
@@ -158,15 +147,12 @@ def items(scope: Scope) -> Items:
     yield (
         r"\subsection{Domains and boundaries}",
         r"The velocities of the belts cut the phase plane into the open domains $\Omega_1 = "
-        r"\{\dot{x} < v_1\}$, "
-        r"$\Omega_2 = \{v_1 < \dot{x} < v_2\}$ and $\Omega_3 = \{\dot{x} > v_2\}$, with the "
-        r"boundaries "
-        r"$\partial\Omega_{12} = \{\dot{x} = v_1\}$ and $\partial\Omega_{23} = \{\dot{x} = "
-        r"v_2\}$ between them. "
-        r"Boundary $\lambda$ lies between $\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above. "
-        r"In a domain "
-        r"$\Omega_\alpha$ both frictions are constant, and add to the constant part of the drive: "
-        r"$A_\alpha = A_0 + T_1 + T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys",
+        r"\{\dot{x} < v_1\}$, $\Omega_2 = \{v_1 < \dot{x} < v_2\}$ and $\Omega_3 = \{\dot{x} > "
+        r"v_2\}$, with the boundaries $\partial\Omega_{12} = \{\dot{x} = v_1\}$ and "
+        r"$\partial\Omega_{23} = \{\dot{x} = v_2\}$ between them. Boundary $\lambda$ lies between "
+        r"$\Omega_\lambda$ below and $\Omega_{\lambda+1}$ above. In a domain $\Omega_\alpha$ both "
+        r"frictions are constant, and add to the constant part of the drive: $A_\alpha = A_0 + T_1 "
+        r"+ T_2$ (Table~\ref{tab:motion-constants}). So the motion obeys",
         equation(ode, A + B0 * WAVE, free, note=r"in $\Omega_\alpha$,", label="domain"),
         r"or $\ddot{x} = F^{(\alpha)}(x, \dot{x}, t)$ with the acceleration",
         equation(general, (A + B0 * WAVE - k * x - c * v) / m, cases(*laws), "acceleration"),
@@ -176,21 +162,18 @@ def items(scope: Scope) -> Items:
             ("domain", "velocities", "$T_1$", "$T_2$", r"$A_\alpha$"),
             tuple(rows),
         ),
-        r"\begin{lemma}[no boundary repels]\label{thm:motion-jump} "
-        r"Where $\dot{x} = v_\lambda$, the accelerations below and above the boundary differ by",
+        r"\begin{lemma}[no boundary repels]\label{thm:motion-jump} Where $\dot{x} = v_\lambda$, "
+        r"the accelerations below and above the boundary differ by",
         equation(F(LOWER) - F(UPPER), gap, at_each_belt(scope), "jump"),
         r"which is not negative,",
         step(gap, ">=", 0, sign()),
         r"so that the flow never leaves a boundary to both sides at once.\end{lemma}",
         r"\begin{proof} Subtract \eqref{eq:motion-acceleration} for $\alpha = \lambda + 1$ from "
-        r"that for "
-        r"$\alpha = \lambda$, with Table~\ref{tab:motion-constants}. To leave downward needs "
-        r"$F^{(\lambda)} < 0$ or "
-        r"$= 0$, to leave upward $F^{(\lambda+1)} > 0$ or $= 0$, which together contradict "
-        r"\eqref{eq:motion-jump} "
-        r"unless both vanish and $\mu_\lambda F_N = 0$; then the belt has no friction and there "
-        r"is no boundary. The "
-        r"paper's assumption $\mu_1 \ge \mu_2$ is not needed.\end{proof}",
+        r"that for $\alpha = \lambda$, with Table~\ref{tab:motion-constants}. To leave downward "
+        r"needs $F^{(\lambda)} < 0$ or $= 0$, to leave upward $F^{(\lambda+1)} > 0$ or $= 0$, "
+        r"which together contradict \eqref{eq:motion-jump} unless both vanish and $\mu_\lambda F_N "
+        r"= 0$; then the belt has no friction and there is no boundary. The paper's assumption "
+        r"$\mu_1 \ge \mu_2$ is not needed.\end{proof}",
     )
     y = named("y")
     rate = named(r"\dot{y}")
@@ -207,41 +190,32 @@ def items(scope: Scope) -> Items:
         held.append(equation(named(rf"F_{{s{belt}}}"), mean, stick_force(belt), f"held-{belt}"))
     yield (
         r"\subsection{Friction is monotone}",
-        r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} "
-        r"Let $T$ and $\tilde{T}$ be possible values of $T_1 + T_2$ at the velocities $w$ and "
-        r"$\tilde{w}$. Then "
-        r"$(T - \tilde{T})(w - \tilde{w}) \le 0$.\end{lemma}",
+        r"\begin{lemma}[monotone friction]\label{thm:motion-monotone} Let $T$ and $\tilde{T}$ be "
+        r"possible values of $T_1 + T_2$ at the velocities $w$ and $\tilde{w}$. Then $(T - "
+        r"\tilde{T})(w - \tilde{w}) \le 0$.\end{lemma}",
         facts(*(step(coulomb(a) - coulomb(a + 1), ">=", 0, sign()) for a in scope.domains[:-1])),
         r"\begin{proof} $s \mapsto \operatorname{Sgn}(s)$ never falls, so each $T_\lambda$ never "
-        r"grows with the "
-        r"velocity: by Table~\ref{tab:motion-constants}, $A_1 - A_2 = 2\mu_1 F_N \ge 0$ and "
-        r"$A_2 - A_3 = 2\mu_2 F_N \ge 0$, and at $\dot{x} = v_\lambda$ all values between those "
-        r"on both sides are "
-        r"allowed.\end{proof}",
+        r"grows with the velocity: by Table~\ref{tab:motion-constants}, $A_1 - A_2 = 2\mu_1 F_N "
+        r"\ge 0$ and $A_2 - A_3 = 2\mu_2 F_N \ge 0$, and at $\dot{x} = v_\lambda$ all values "
+        r"between those on both sides are allowed.\end{proof}",
         r"\begin{theorem}[existence and uniqueness forward in time]\label{thm:motion-unique} "
-        r"Through each $(t_0, x_0, \dot{x}_0)$ passes a motion, which exists for all $t \ge "
-        r"t_0$, and for these $t$ it "
-        r"is the only one.\end{theorem}",
+        r"Through each $(t_0, x_0, \dot{x}_0)$ passes a motion, which exists for all $t \ge t_0$, "
+        r"and for these $t$ it is the only one.\end{theorem}",
         r"\begin{proof} The right side of \eqref{eq:motion-newton} is a set that is convex, "
-        r"closed, bounded for "
-        r"bounded velocities and upper semicontinuous in the state, and it grows at most "
-        r"linearly, so motions exist "
-        r"for all later times \cite[Chapter 2]{filippov1988}. Let $y$ be the difference of two "
-        r"of them, and $T$, "
-        r"$\tilde{T}$ their frictions. Then",
+        r"closed, bounded for bounded velocities and upper semicontinuous in the state, and it "
+        r"grows at most linearly, so motions exist for all later times \cite[Chapter "
+        r"2]{filippov1988}. Let $y$ be the difference of two of them, and $T$, $\tilde{T}$ their "
+        r"frictions. Then",
         equation(energy, difference * rate - c * rate**2, meaning, "energy"),
         r"almost everywhere, and by Lemma~\ref{thm:motion-monotone} this is at most $-c\dot{y}^2 "
-        r"\le 0$. If both start "
-        r"alike the energy on the left stays 0, so $\dot{y} = 0$ for all later times, and $y = "
-        r"0$.\end{proof}",
+        r"\le 0$. If both start alike the energy on the left stays 0, so $\dot{y} = 0$ for all "
+        r"later times, and $y = 0$.\end{proof}",
         r"Backward in time motions are not unique: all that come to stick at one point of a belt "
-        r"are one motion "
-        r"afterwards. The energy inequality returns in Chapter~\ref{sec:orbits}.",
+        r"are one motion afterwards. The energy inequality returns in Chapter~\ref{sec:orbits}.",
         r"\subsection{The force that a stick has to hold}",
-        r"\begin{proposition}[what the belt has to hold]\label{thm:motion-held} "
-        r"Let $F_{s\lambda}$ be the sum of all forces on the mass but the friction of belt "
-        r"$\lambda$ while "
-        r"$\dot{x} = v_\lambda$; for belt 1 it is the paper's (2),",
+        r"\begin{proposition}[what the belt has to hold]\label{thm:motion-held} Let $F_{s\lambda}$ "
+        r"be the sum of all forces on the mass but the friction of belt $\lambda$ while $\dot{x} = "
+        r"v_\lambda$; for belt 1 it is the paper's (2),",
         held,
         r"On the two sides of the boundary the belt adds its friction forward and backward,",
         equation(m * F(LOWER), HELD + mu_lambda * FN, at_each_belt(scope), "held-sides"),
@@ -255,11 +229,9 @@ def items(scope: Scope) -> Items:
             "product",
         ),
         r"\end{proposition}",
-        r"\begin{proof} On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands "
-        r"$T_\lambda = -F_{s\lambda}$, "
-        r"which Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| \le \mu_\lambda "
-        r"F_N$. Below the "
-        r"boundary $T_\lambda = \mu_\lambda F_N$, above it $T_\lambda = -\mu_\lambda F_N$. A "
-        r"negative product means "
-        r"that $|F_{s\lambda}| < \mu_\lambda F_N$, a positive one that the flow passes.\end{proof}",
+        r"\begin{proof} On the belt $\ddot{x} = 0$, so \eqref{eq:motion-newton} demands $T_\lambda "
+        r"= -F_{s\lambda}$, which Definition~\ref{thm:motion-coulomb} allows iff $|F_{s\lambda}| "
+        r"\le \mu_\lambda F_N$. Below the boundary $T_\lambda = \mu_\lambda F_N$, above it "
+        r"$T_\lambda = -\mu_\lambda F_N$. A negative product means that $|F_{s\lambda}| < "
+        r"\mu_\lambda F_N$, a positive one that the flow passes.\end{proof}",
     )

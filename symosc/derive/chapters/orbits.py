@@ -15,7 +15,6 @@ import sympy as sp
 from symosc.base.display.latex import latex_text
 from symosc.derive import steps
 from symosc.derive.chapters.maps import force
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, Scope, stated
 from symosc.derive.steps import (
     CONTEXT,
@@ -36,6 +35,7 @@ from symosc.orbits.find import find_orbit
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 from symosc.symbolic import maps, solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import (
     BASIS,
     E0,
@@ -71,64 +71,44 @@ def items(scope: Scope) -> Items:
     ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
     yield (
         r"\subsection{Existence, uniqueness, stability}",
-        r"\begin{theorem}[one attractor, or an interval of rests]\label{thm:orbits-unique} "
-        r"Let $c > 0$ and $k > 0$.\begin{enumerate}"
-        r"\item[(i)] There is a periodic motion with the period $2\pi/\Omega$."
-        r"\item[(ii)] Unless $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$ for one of the belts, "
-        r"it is the only "
-        r"periodic motion, and every other motion tends to it."
-        r"\item[(iii)] If $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$, the periodic motions "
-        r"are the rests on belt "
-        r"$\lambda$ at the positions of an interval, and every motion tends to one of them. "
-        r"Inside the interval each "
-        r"has the multiplier 1."
-        r"\end{enumerate}",
+        r"\begin{theorem}[one attractor, or an interval of rests]\label{thm:orbits-unique} Let $c "
+        r"> 0$ and $k > 0$.\begin{enumerate}\item[(i)] There is a periodic motion with the period "
+        r"$2\pi/\Omega$.\item[(ii)] Unless $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$ for one "
+        r"of the belts, it is the only periodic motion, and every other motion tends to "
+        r"it.\item[(iii)] If $v_\lambda = 0$ and $|B_0| < \mu_\lambda F_N$, the periodic motions "
+        r"are the rests on belt $\lambda$ at the positions of an interval, and every motion tends "
+        r"to one of them. Inside the interval each has the multiplier 1.\end{enumerate}",
         r"The interval of (iii) has the length",
         equation(named(r"\ell"), 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], "length"),
         r"\end{theorem}",
         r"\begin{proof} Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + "
-        r"\frac{k}{2}y^2$. By "
-        r"\eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, $\dot{W} \le "
-        r"-c\,\dot{y}^2 \le 0$.",
+        r"\frac{k}{2}y^2$. By \eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, "
+        r"$\dot{W} \le -c\,\dot{y}^2 \le 0$.",
         r"(i) A motion answers the bounded force $A_0 + B_0\cos\Omega t + T_1 + T_2$ in an "
-        r"oscillator whose unforced "
-        r"motions decay exponentially. So the map over one period takes a large ball, in a norm "
-        r"in which this linear "
-        r"oscillator contracts, into itself; it is continuous because $W$ does not grow, and has "
-        r"a fixed point by "
-        r"Brouwer's theorem.",
+        r"oscillator whose unforced motions decay exponentially. So the map over one period takes "
+        r"a large ball, in a norm in which this linear oscillator contracts, into itself; it is "
+        r"continuous because $W$ does not grow, and has a fixed point by Brouwer's theorem.",
         r"(ii) Let $x^*$ be the motion of (i) and $x$ any other one; $W$ falls to some $W_\infty "
-        r"\ge 0$. The motions "
-        r"$x(t + 2\pi n/\Omega)$, $n = 1, 2, \ldots$, are bounded with their first two "
-        r"derivatives, so some of them "
-        r"converge, with the velocities, to a function $\tilde{x}$, which is a motion too "
-        r"because the right side of "
-        r"\eqref{eq:motion-newton} is closed and convex. Its difference to $x^*$ has the "
-        r"constant energy $W_\infty$. "
-        r"Then $\dot{y} = 0$ and $y = d$ for all times, and the two equations of motion leave "
-        r"$\tilde{T} - T^* = k d$ "
-        r"for the frictions of the two motions, which have the same velocity. If $d \ne 0$, this "
-        r"needs set-valued "
-        r"friction at almost all times: $\dot{x}^*$ is always $v_1$ or $v_2$, by continuity "
-        r"always the same "
-        r"$v_\lambda$, and since $x^*$ is bounded $v_\lambda = 0$. Both motions then rest on "
-        r"belt $\lambda$ for ever. "
-        r"By Proposition~\ref{thm:motion-held} a rest at $x$ lasts iff "
-        r"$|H_\lambda - k x + B_0\cos\theta| \le \mu_\lambda F_N$ at all phases, with the constant "
-        r"$H_\lambda = A_0 \pm \mu_{3-\lambda}F_N$ ($+$ for $\lambda = 1$), that is iff "
-        r"$|H_\lambda - k x| \le \mu_\lambda F_N - |B_0|$. For $|B_0| = \mu_\lambda F_N$ this is "
-        r"one point, so "
-        r"$d \ne 0$ needs $|B_0| < \mu_\lambda F_N$. Without it $d = 0$ and $W_\infty = 0$: "
-        r"every motion tends to "
-        r"$x^*$, and no other one is periodic.",
+        r"\ge 0$. The motions $x(t + 2\pi n/\Omega)$, $n = 1, 2, \ldots$, are bounded with their "
+        r"first two derivatives, so some of them converge, with the velocities, to a function "
+        r"$\tilde{x}$, which is a motion too because the right side of \eqref{eq:motion-newton} is "
+        r"closed and convex. Its difference to $x^*$ has the constant energy $W_\infty$. Then "
+        r"$\dot{y} = 0$ and $y = d$ for all times, and the two equations of motion leave "
+        r"$\tilde{T} - T^* = k d$ for the frictions of the two motions, which have the same "
+        r"velocity. If $d \ne 0$, this needs set-valued friction at almost all times: $\dot{x}^*$ "
+        r"is always $v_1$ or $v_2$, by continuity always the same $v_\lambda$, and since $x^*$ is "
+        r"bounded $v_\lambda = 0$. Both motions then rest on belt $\lambda$ for ever. By "
+        r"Proposition~\ref{thm:motion-held} a rest at $x$ lasts iff $|H_\lambda - k x + "
+        r"B_0\cos\theta| \le \mu_\lambda F_N$ at all phases, with the constant $H_\lambda = A_0 "
+        r"\pm \mu_{3-\lambda}F_N$ ($+$ for $\lambda = 1$), that is iff $|H_\lambda - k x| \le "
+        r"\mu_\lambda F_N - |B_0|$. For $|B_0| = \mu_\lambda F_N$ this is one point, so $d \ne 0$ "
+        r"needs $|B_0| < \mu_\lambda F_N$. Without it $d = 0$ and $W_\infty = 0$: every motion "
+        r"tends to $x^*$, and no other one is periodic.",
         r"(iii) The rests are motions by (ii), at the positions between $(H_\lambda \pm "
-        r"(\mu_\lambda F_N - |B_0|))/k$. "
-        r"If a motion is periodic, its difference to a rest has constant energy, so it is a rest "
-        r"by the argument of "
-        r"(ii), on the same belt because its velocity is 0. Every motion $x$ has a limit "
-        r"$\tilde{x}$ as in (ii) that "
-        r"is a rest, and its energy relative to that rest falls to 0. Moving a rest inside the "
-        r"interval changes "
+        r"(\mu_\lambda F_N - |B_0|))/k$. If a motion is periodic, its difference to a rest has "
+        r"constant energy, so it is a rest by the argument of (ii), on the same belt because its "
+        r"velocity is 0. Every motion $x$ has a limit $\tilde{x}$ as in (ii) that is a rest, and "
+        r"its energy relative to that rest falls to 0. Moving a rest inside the interval changes "
         r"nothing else: the multiplier is 1.\end{proof}",
     )
     if scope.scene is None:
@@ -158,14 +138,11 @@ def items(scope: Scope) -> Items:
         rf"{examples[1]} and {examples[2]}.",
         facts(*places, *held, *at),
         r"\end{example}",
-        r"\begin{remark}[no damping]\label{thm:orbits-undamped} "
-        r"For $c = 0$ no difference grows either, but nothing has to attract: a multiplier may "
-        r"be exactly 1, and the "
-        r"motion is then marginal, neither attracting nor repelling "
-        r"(Chapter~\ref{sec:undamped}). Such continua "
-        r"of marginal motions are known in "
-        r"the oscillator with one belt at rest \cite{csernak2007}; for its symmetric motions see "
-        r"also "
+        r"\begin{remark}[no damping]\label{thm:orbits-undamped} For $c = 0$ no difference grows "
+        r"either, but nothing has to attract: a multiplier may be exactly 1, and the motion is "
+        r"then marginal, neither attracting nor repelling (Chapter~\ref{sec:undamped}). Such "
+        r"continua of marginal motions are known in the oscillator with one belt at rest "
+        r"\cite{csernak2007}; for its symmetric motions see also "
         r"\cite{denhartog1931,hongliu2000,luogegg2006,shaw1986}.\end{remark}",
     )
     if scope.scene is None:
@@ -193,9 +170,8 @@ def how_far() -> Items:
         {norm: half / (1 - decay), **stiffness}, lambda expr: sp.simplify(expr.rewrite(sp.exp))
     )
     return (
-        r"\begin{proposition}[how far a motion goes]\label{thm:orbits-bound} "
-        r"Let $c > 0$, $k > 0$, $F_* = |A_0| + |B_0| + (\mu_1 + \mu_2) F_N$ and $N_E = "
-        r"\int_0^\infty |E_1|\,d\tau$. "
+        r"\begin{proposition}[how far a motion goes]\label{thm:orbits-bound} Let $c > 0$, $k > 0$, "
+        r"$F_* = |A_0| + |B_0| + (\mu_1 + \mu_2) F_N$ and $N_E = \int_0^\infty |E_1|\,d\tau$. "
         r"Every motion has $\limsup_{t\to\infty} |x(t)| \le F_* N_E/m$, where",
         equation(
             norm,
@@ -207,18 +183,14 @@ def how_far() -> Items:
         equation(norm, m / k, limit, "bound-overdamped", note=r"if $c^2 \ge 4km$."),
         r"\end{proposition}",
         r"\begin{proof} The force $f = A_0 + B_0\cos\Omega t + T_1 + T_2$ is at most $F_*$ in "
-        r"size, and by variation "
-        r"of constants $x(t)$ is $\frac{1}{m}\int_0^{t - t_0} E_1(\tau) f(t - \tau)\,d\tau$ and "
-        r"a free motion, which "
-        r"decays. This gives the bound by $N_E$. If $c^2 < 4km$, $|E_1| = "
-        r"e^{-h\tau}|\sin\omega_d\tau|/\omega_d$ comes "
-        r"back after each $\pi/\omega_d$ with the factor $e^{-\pi h/\omega_d}$. So $N_E$ is a "
-        r"geometric series that "
-        r"begins with",
+        r"size, and by variation of constants $x(t)$ is $\frac{1}{m}\int_0^{t - t_0} E_1(\tau) f(t "
+        r"- \tau)\,d\tau$ and a free motion, which decays. This gives the bound by $N_E$. If $c^2 "
+        r"< 4km$, $|E_1| = e^{-h\tau}|\sin\omega_d\tau|/\omega_d$ comes back after each "
+        r"$\pi/\omega_d$ with the factor $e^{-\pi h/\omega_d}$. So $N_E$ is a geometric series "
+        r"that begins with",
         equation(first, (1 + decay) / (h**2 + omega_d**2), {first: half}, "half-wave"),
         r"and $h^2 + \omega_d^2 = k/m$. If $c^2 \ge 4km$, $E_1 > 0$ for $\tau > 0$, and $N_E$ is "
-        r"the limit of $E_2$ "
-        r"in \eqref{eq:domains-E2}, where $E_0$ and $E_1$ tend to 0.\end{proof}",
+        r"the limit of $E_2$ in \eqref{eq:domains-E2}, where $E_0$ and $E_1$ tend to 0.\end{proof}",
     )
 
 
@@ -261,7 +233,7 @@ def pieces(scope: Scope, word: str) -> list[Piece]:
     """Return the maps of an orbit with a word as Pieces, with the scene's numbers put in."""
     rows = read_word(word).maps
     basis = scope.regimes[0].basis()
-    found = []
+    parts = []
     for i, (row, leaves) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
         before = rows[i - 1]
         after = (i + 1) % len(rows)
@@ -302,8 +274,8 @@ def pieces(scope: Scope, word: str) -> list[Piece]:
                 meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
         f1, f2 = (_substituted(scope, f.xreplace(letters)) for f in (f1, f2))
         meaning = {name: _substituted(scope, value) for name, value in meaning.items()}
-        found.append(Piece(row, before, here, f1, f2, meaning))
-    return found
+        parts.append(Piece(row, before, here, f1, f2, meaning))
+    return parts
 
 
 def _substituted(scope: Scope, expr: Any) -> Any:
@@ -312,12 +284,12 @@ def _substituted(scope: Scope, expr: Any) -> Any:
 
 
 def _values(
-    found: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
+    parts: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
 ) -> dict[Any, Any]:
     """Return the values of all symbols: x and theta at the switching `points`, and those that
     `meaning` defines.
     """
-    letters = [letter for piece in found for letter in piece.letters]
+    letters = [letter for piece in parts for letter in piece.letters]
     numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in points for value in point]
     values = {
         letter: sp.Float(text, STEP_DIGITS + 10)
@@ -334,11 +306,11 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     """
     assert scope.scene is not None
     p = scope.scene.parameters
-    found = pieces(scope, word)
+    parts = pieces(scope, word)
     points = orbit_points(p, word)
     equations: list[Any] = []
-    for i, (row, before, _, f1, f2, meaning) in enumerate(found, 1):
-        after = i % len(found) + 1
+    for i, (row, before, _, f1, f2, meaning) in enumerate(parts, 1):
+        after = i % len(parts) + 1
         start = rf" and $\ddot{{x}}_{i} = F^{{({row.domain})}}$ at point {i}"
         if before.sticks:
             start = rf" and $F^{{({row.domain})}} = 0$ at point {i}, where a stick ended"
@@ -348,10 +320,9 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
             turn = ""
         equations.append(
             rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = "
-            rf"(\theta_{after}{turn} - "
-            rf"\theta_{i})/\Omega${'' if row.sticks else start}:"
+            rf"(\theta_{after}{turn} - \theta_{i})/\Omega${'' if row.sticks else start}:"
         )
-        check = at_root(partial(_values, found, points, meaning), CONTEXT.mpf(10) ** -43)
+        check = at_root(partial(_values, parts, points, meaning), CONTEXT.mpf(10) ** -43)
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
     numbers = ", ".join(scope.given())
     inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
@@ -359,9 +330,9 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
         rf"The numbers are {numbers}. The last map ends where the first one starts, one period "
         r"of the drive later, so "
-        rf"there are {2 * len(found)} equations for the {2 * len(found)} unknowns $x_j$, "
-        r"$\theta_j$. A basis function "
-        r"of the flight from point $j$ is taken at its duration $\tau_j$.",
+        rf"there are {2 * len(parts)} equations for the {2 * len(parts)} unknowns $x_j$, "
+        r"$\theta_j$. A basis function of the flight from point $j$ is taken at its duration "
+        r"$\tau_j$.",
         equations,
     )
     rows: list[Any] = [
@@ -372,7 +343,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
             str(row.start.boundary),
             f"$P_{row.label[1]}$",
         )
-        for j, ((x, theta), (row, *_)) in enumerate(zip(points, found, strict=True), 1)
+        for j, ((x, theta), (row, *_)) in enumerate(zip(points, parts, strict=True), 1)
     ]
     yield Table(
         f"tab:orbits-{word}",
@@ -382,10 +353,10 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         tuple(rows),
     )
     # The accelerations at each switching point say which case of the theorem on boundaries applies.
-    values = _values(found, points, {})
+    values = _values(parts, points, {})
     rows = []
     signs = list[Any]()
-    for j, (row, before, (x, theta), *_) in enumerate(found, 1):
+    for j, (row, before, (x, theta), *_) in enumerate(parts, 1):
         belt = row.start.boundary
         signed: list[Any] = [str(j)]
         for alpha in NEIGHBOURS[belt]:
@@ -405,8 +376,8 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     yield Table(
         f"tab:orbits-forces-{word}",
         rf"The accelerations on both sides at the switching points of $P_{{{word[1:]}}}$. By "
-        r"their signs the next "
-        r"mapping is the one that the word demands (Theorem~\ref{thm:switching-cases}).",
+        r"their signs the next mapping is the one that the word demands "
+        r"(Theorem~\ref{thm:switching-cases}).",
         ("$j$", "below", "above", "next"),
         tuple(rows),
         tuple(signs),
@@ -414,7 +385,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     # Between the switching points no flight meets a belt, and each stick is held.
     rows = []
     limited = list[Any]()
-    for j, piece in enumerate(found):
+    for j, piece in enumerate(parts):
         for name, value, words, limits in _extremes(
             scope, piece, points[j], points[(j + 1) % len(points)][1]
         ):
@@ -427,11 +398,9 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     limited.append(equation(digits, int(word[1:]), at_root(lambda: {digits: _followed(p, word)})))
     yield (
         rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} "
-        r"has all extreme "
-        r"values of the velocity inside the flights, and the least favourable accelerations "
-        r"during the sticks. The "
-        r"motion that starts at point 1 was also followed with 30 digits for one period, by the "
-        r"search of "
+        r"has all extreme values of the velocity inside the flights, and the least favourable "
+        r"accelerations during the sticks. The motion that starts at point 1 was also followed "
+        r"with 30 digits for one period, by the search of "
         rf"Chapter~\ref{{sec:events}}: its events are those of $P_{{{word[1:]}}}$ and no others.",
         Table(
             f"tab:orbits-between-{word}",
@@ -485,9 +454,9 @@ def _extremes(
         """Return `expr` as a function of the time since the start, and the zeros of its time
         derivative `slope`.
         """
-        put = (_substituted(scope, each.xreplace(scope.display)) for each in (expr, slope))
+        pair = (_substituted(scope, part.xreplace(scope.display)) for part in (expr, slope))
         value, rate = (
-            partial(sp.lambdify((x_i, theta_i, tau), each, FUNCTIONS), *start) for each in put
+            partial(sp.lambdify((x_i, theta_i, tau), part, FUNCTIONS), *start) for part in pair
         )
         return value, _zeros(rate, duration)
 
@@ -503,7 +472,7 @@ def _extremes(
         return
     known = {a_i: force(row.domain, x_i, speed, theta_i), v_i: speed}
     value, places = extremes(
-        *(each.xreplace(known) for each in solution.flow(scope.regimes[0])[1:])
+        *(part.xreplace(known) for part in solution.flow(scope.regimes[0])[1:])
     )
     limits = [
         (op, scope.numbers[BELTS[b]])

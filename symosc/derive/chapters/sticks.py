@@ -7,7 +7,6 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.motion import MU, acceleration, newton
-from symosc.derive.latex import latex, named
 from symosc.derive.scope import BELTS, UPPER, F, Scope, mu_lambda, v_lambda
 from symosc.derive.steps import (
     Illustration,
@@ -23,6 +22,7 @@ from symosc.derive.steps import (
 )
 from symosc.friction import NEIGHBOURS
 from symosc.symbolic import solution
+from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
 
 TITLE = "Sticks and their two ends"
@@ -66,14 +66,12 @@ def items(scope: Scope) -> Items:
     )
     yield (
         r"\subsection{The mass on a belt}",
-        r"\begin{definition}[stick]\label{thm:sticks-stick} "
-        r"A \emph{stick} on belt $\lambda$ is an interval of time during which $\dot{x} = "
-        r"v_\lambda$, so that "
-        r"$\ddot{x} = 0$ (the paper's (3), (4), (11), (12)). By "
-        r"Proposition~\ref{thm:motion-held} it needs "
-        r"$F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ all the time.\end{definition}",
-        r"\begin{lemma}[what changes on a belt]\label{thm:sticks-rate} "
-        r"On belt $\lambda$, at $\tau$ after the phase $\theta_i$ and the position $x_i$,",
+        r"\begin{definition}[stick]\label{thm:sticks-stick} A \emph{stick} on belt $\lambda$ is an "
+        r"interval of time during which $\dot{x} = v_\lambda$, so that $\ddot{x} = 0$ (the paper's "
+        r"(3), (4), (11), (12)). By Proposition~\ref{thm:motion-held} it needs $F^{(\lambda)} \ge "
+        r"0 \ge F^{(\lambda+1)}$ all the time.\end{definition}",
+        r"\begin{lemma}[what changes on a belt]\label{thm:sticks-rate} On belt $\lambda$, at "
+        r"$\tau$ after the phase $\theta_i$ and the position $x_i$,",
         equation(
             named(r"x(\tau)"),
             x_i + v_lambda * tau,
@@ -82,24 +80,19 @@ def items(scope: Scope) -> Items:
         ),
         r"and the accelerations on both sides, $\alpha = \lambda$ and $\lambda + 1$, are",
         equation(named(r"F^{(\alpha)}(\tau)"), held, force_on_belt(theta_i + Omega * tau), "force"),
-        r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at "
-        r"one rate, which depends "
-        r"on the phase $\theta = \Omega t$ alone:",
+        r"with $\ddot{x}_i = F^{(\alpha)}(x_i, v_\lambda, t_i)$, each its own. They change at one "
+        r"rate, which depends on the phase $\theta = \Omega t$ alone:",
         rate(),
         r"\end{lemma}",
         r"\begin{proof} Put $x = x_i + v_\lambda\tau$ and $\dot{x} = v_\lambda$ into "
-        r"\eqref{eq:motion-acceleration}, "
-        r"and differentiate.\end{proof}",
+        r"\eqref{eq:motion-acceleration}, and differentiate.\end{proof}",
         r"The right side of \eqref{eq:sticks-rate} vanishes where $\sin\theta = -k "
-        r"v_\lambda/(B_0\Omega)$. If there "
-        r"are such phases, one is $\Theta^{\mathrm{cr}} = \arcsin(-k v_\lambda/(B_0\Omega))$ and "
-        r"the other "
-        r"$\pi - \Theta^{\mathrm{cr}}$: the critical phases of "
-        r"Theorem~\ref{thm:grazing-theorem7}. Between two of them "
-        r"both accelerations are strictly monotone (or constant, for $B_0 = 0$ and $k v_\lambda "
-        r"= 0$), so the end of a "
-        r"stick is found without a search: on each such piece each of them has at most one zero, "
-        r"or never changes.",
+        r"v_\lambda/(B_0\Omega)$. If there are such phases, one is $\Theta^{\mathrm{cr}} = "
+        r"\arcsin(-k v_\lambda/(B_0\Omega))$ and the other $\pi - \Theta^{\mathrm{cr}}$: the "
+        r"critical phases of Theorem~\ref{thm:grazing-theorem7}. Between two of them both "
+        r"accelerations are strictly monotone (or constant, for $B_0 = 0$ and $k v_\lambda = 0$), "
+        r"so the end of a stick is found without a search: on each such piece each of them has at "
+        r"most one zero, or never changes.",
     )
     zero = named(r"F^{(\lambda+1)}|_{F^{(\lambda)} = 0}")
     lower = cases(*(sign({zero: -(newton(lo) - newton(lo + 1))}) for lo in scope.boundaries))
@@ -108,34 +101,26 @@ def items(scope: Scope) -> Items:
     )
     yield (
         r"\subsection{Both ends}",
-        r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} "
-        r"A stick on belt $\lambda$ ends at the first time at which $F^{(\lambda)}$ falls below "
-        r"0, and then the mass "
-        r"goes into $\Omega_\lambda$; or at which $F^{(\lambda+1)}$ rises above 0, and then it "
-        r"goes into "
-        r"$\Omega_{\lambda+1}$. Both cannot happen at once if the belt has friction: where "
+        r"\begin{theorem}[both exits of a stick]\label{thm:sticks-exits} A stick on belt $\lambda$ "
+        r"ends at the first time at which $F^{(\lambda)}$ falls below 0, and then the mass goes "
+        r"into $\Omega_\lambda$; or at which $F^{(\lambda+1)}$ rises above 0, and then it goes "
+        r"into $\Omega_{\lambda+1}$. Both cannot happen at once if the belt has friction: where "
         r"$F^{(\lambda)} = 0$,",
         equation(F(UPPER), -2 * mu_lambda * FN / m, cases(*jumps), "other"),
         "which holds the mass on its upper side:",
         step(zero, "<=", 0, lower),
         r"\end{theorem}",
-        r"\begin{proof} While $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ the rest on the belt is "
-        r"a motion by "
-        r"Proposition~\ref{thm:motion-held}, and by Theorem~\ref{thm:motion-unique} the only "
-        r"one; a zero that is only "
-        r"touched does not end it. Where $F^{(\lambda)}$ becomes negative, no friction of the "
-        r"belt balances the other "
-        r"forces. Let $F^{(\lambda)} = 0$ there, and take the first derivative of "
-        r"$F^{(\lambda)}$ along the belt that "
-        r"does not vanish: it is negative. The flow of $\Omega_\lambda$ has the same first "
-        r"derivative, because by "
-        r"\eqref{eq:switching-g1} and \eqref{eq:sticks-rate} the rates of $F^{(\lambda)}$ along "
-        r"both differ only by "
-        r"multiples of $F^{(\lambda)}$ and of $\dot{x} - v_\lambda$, which vanish to higher "
-        r"order. So by "
-        r"Lemma~\ref{thm:switching-side} it goes below $v_\lambda$. The other end is the mirror "
-        r"image. "
-        r"\eqref{eq:sticks-other} is Lemma~\ref{thm:motion-jump}.\end{proof}",
+        r"\begin{proof} While $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$ the rest on the belt is a "
+        r"motion by Proposition~\ref{thm:motion-held}, and by Theorem~\ref{thm:motion-unique} the "
+        r"only one; a zero that is only touched does not end it. Where $F^{(\lambda)}$ becomes "
+        r"negative, no friction of the belt balances the other forces. Let $F^{(\lambda)} = 0$ "
+        r"there, and take the first derivative of $F^{(\lambda)}$ along the belt that does not "
+        r"vanish: it is negative. The flow of $\Omega_\lambda$ has the same first derivative, "
+        r"because by \eqref{eq:switching-g1} and \eqref{eq:sticks-rate} the rates of "
+        r"$F^{(\lambda)}$ along both differ only by multiples of $F^{(\lambda)}$ and of $\dot{x} - "
+        r"v_\lambda$, which vanish to higher order. So by Lemma~\ref{thm:switching-side} it goes "
+        r"below $v_\lambda$. The other end is the mirror image. \eqref{eq:sticks-other} is "
+        r"Lemma~\ref{thm:motion-jump}.\end{proof}",
     )
     rows = []
     for belt in scope.boundaries:
@@ -159,22 +144,18 @@ def items(scope: Scope) -> Items:
         Table(
             "tab:sticks-exits",
             r"What vanishes at the end of a stick, and into which domain the mass goes. The "
-            r"paper's (52) and (53) have "
-            r"one end each.",
+            r"paper's (52) and (53) have one end each.",
             ("belt", "what", "into", "", r"$m F^{(\alpha)}$ there"),
             tuple(rows),
         ),
         r"The paper's own figures use the missing ends: in Fig.~6 the mass leaves belt 2 by "
-        r"$F^{(2)} = 0$ "
-        r"(Figure~\ref{fig:sticks-exits}), and the first stick of Fig.~5 ends in $\Omega_1$ by "
-        r"$F^{(1)} = 0$ "
-        r"(Chapter~\ref{sec:errata}).",
+        r"$F^{(2)} = 0$ (Figure~\ref{fig:sticks-exits}), and the first stick of Fig.~5 ends in "
+        r"$\Omega_1$ by $F^{(1)} = 0$ (Chapter~\ref{sec:errata}).",
         Illustration(
             "stick-exits",
             "fig:sticks-exits",
             r"The stick of the paper's Fig.~6 on belt 2 (grey): it ends where $F^{(2)}$ falls to "
-            r"0, not where "
-            r"$F^{(3)}$ rises to 0.",
+            r"0, not where $F^{(3)}$ rises to 0.",
             0.85,
         ),
     )
@@ -193,8 +174,7 @@ def items(scope: Scope) -> Items:
         rf"For $k v_\lambda \ne 0$ every stick ends: over each period ${latex(period.right)}$ "
         r"both accelerations "
         rf"change by ${latex(turned.right)}$. For $k v_\lambda = 0$ a stick ends within one "
-        r"period, or "
-        r"never.\end{corollary}",
+        r"period, or never.\end{corollary}",
         facts(turned, still, period),
         r"\begin{proof} Integrate \eqref{eq:sticks-rate} over one period.\end{proof}",
     )

@@ -8,7 +8,6 @@ from typing import Any
 import sympy as sp
 
 from symosc.derive.chapters.events import LETTER_A
-from symosc.derive.latex import named
 from symosc.derive.scope import Scope, valued
 from symosc.derive.steps import (
     CONTEXT,
@@ -26,6 +25,7 @@ from symosc.derive.steps import (
 )
 from symosc.model import Parameters
 from symosc.simulation.simulate import simulate
+from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, A, Omega, k, m, omega_0, t
 
 TITLE = "Without a damper"
@@ -85,9 +85,9 @@ def _bounded() -> Items:
         r"During half a period $\pi/\omega_0$ the bounded force $f$ changes $\dot{z}$ by a bounded "
         r"amount against a free oscillation of the amplitude $R$, for which",
         equation(size, 2 * RADIUS, {size: swing}, "swing"),
-        r"So $E$ changes by at most $-2SR$ plus a constant, and falls whenever $R$ is "
-        r"large. For $\Omega = \omega_0$ subtract $A_0/k$ alone. Now the drive adds at most the "
-        r"following times $|B_0|$ in a whole period, up to a bounded part,",
+        r"So $E$ changes by at most $-2SR$ plus a constant, and falls whenever $R$ is large. For "
+        r"$\Omega = \omega_0$ subtract $A_0/k$ alone. Now the drive adds at most the following "
+        r"times $|B_0|$ in a whole period, up to a bounded part,",
         equation(sp.Abs(work), sp.pi * RADIUS, {work: drive}, "work"),
         r"and friction takes at least $4SR$, by \eqref{eq:undamped-swing} twice, up to a bounded "
         r"part.",
@@ -198,8 +198,8 @@ def _shape() -> Items:
         r"with a whole number $j$, and the turn by this angle changes the sign of all $z \in "
         r"\mathcal{K}$, or none.\end{proof}",
         r"So each stick in the motion $x^*$ makes it attract all others, as for $c > 0$. Segments "
-        r"are exceptional, but exist: the continuum of Proposition~\ref{thm:undamped-continuum} "
-        r"is one, with $2\omega_0/\Omega = 4n$.",
+        r"are exceptional, but exist: the continuum of Proposition~\ref{thm:undamped-continuum} is "
+        r"one, with $2\omega_0/\Omega = 4n$.",
     )
 
 
@@ -389,11 +389,11 @@ def _one_belt() -> Items:
         r"q_0\sin\varphi + u$, where $u$ is a free oscillation.",
         *_continuum(),
         *_meeting_points(),
-        r"\begin{proposition}[odd numbers of stops]\label{thm:undamped-odd} "
-        r"A periodic motion with the period of the drive that is not its own mirror image, and "
-        r"with it every motion of this period with an odd number of stops per cycle, needs "
-        r"$\Omega = \omega_0/(2n)$ with a whole number $n$. Its stops that its mirror image does "
-        r"not share have no length.\end{proposition}",
+        r"\begin{proposition}[odd numbers of stops]\label{thm:undamped-odd} A periodic motion with "
+        r"the period of the drive that is not its own mirror image, and with it every motion of "
+        r"this period with an odd number of stops per cycle, needs $\Omega = \omega_0/(2n)$ with a "
+        r"whole number $n$. Its stops that its mirror image does not share have no "
+        r"length.\end{proposition}",
         r"\begin{proof} The mirror image $-x(t + \pi/\Omega)$ is a motion too. The difference of "
         r"the two keeps its energy (proof of Theorem~\ref{thm:orbits-unique}): friction is the "
         r"same in both whenever their velocities differ. While both rest the difference is "
@@ -401,8 +401,8 @@ def _one_belt() -> Items:
         r"x(t + \pi/\Omega)$, if it is not 0, is a free oscillation. As $x$ has the period "
         r"$2\pi/\Omega$, it is the same after half a period of the drive, which therefore is $n$ "
         r"periods of the free oscillation: $\Omega = \omega_0/(2n)$. While one of the two stops "
-        r"the other one stops too, or the friction of the first one would be constant: a stop "
-        r"that is alone has no length.\end{proof}",
+        r"the other one stops too, or the friction of the first one would be constant: a stop that "
+        r"is alone has no length.\end{proof}",
     )
 
 
@@ -502,15 +502,14 @@ def _meeting_points() -> Items:
         return HELD + p_0 * sp.cos(angle) + q_0 * sp.sin(angle) + free
 
     yield (
-        r"\begin{proposition}[points of codimension two]\label{thm:undamped-points} "
-        r"In the plane of $\Omega$ and $F$ the border of the symmetric motions without stops "
-        r"passes through the points \cite{guardia2010}\begin{enumerate}"
-        r"\item[$A_n$:] $\Omega = \omega_0/(2n)$, $F = B_0/(4n^2 - 1)$;"
-        r"\item[$B_n$:] $\Omega = \omega_0/(2n + 1)$, $F = 0$.\end{enumerate}\end{proposition}",
-        r"\begin{proof} $A_n$ is Proposition~\ref{thm:undamped-continuum} for $d = 0$. At "
-        r"$\Omega = \omega_0/(2n + 1)$ half a period is $n + \frac{1}{2}$ periods of the free "
-        r"oscillation $u = a\cos(2n + 1)\varphi + b\sin(2n + 1)\varphi$, which therefore changes "
-        r"its sign:",
+        r"\begin{proposition}[points of codimension two]\label{thm:undamped-points} In the plane "
+        r"of $\Omega$ and $F$ the border of the symmetric motions without stops passes through the "
+        r"points \cite{guardia2010}\begin{enumerate}\item[$A_n$:] $\Omega = \omega_0/(2n)$, $F = "
+        r"B_0/(4n^2 - 1)$;\item[$B_n$:] $\Omega = \omega_0/(2n + 1)$, $F = "
+        r"0$.\end{enumerate}\end{proposition}",
+        r"\begin{proof} $A_n$ is Proposition~\ref{thm:undamped-continuum} for $d = 0$. At $\Omega "
+        r"= \omega_0/(2n + 1)$ half a period is $n + \frac{1}{2}$ periods of the free oscillation "
+        r"$u = a\cos(2n + 1)\varphi + b\sin(2n + 1)\varphi$, which therefore changes its sign:",
         equation(both, 2 * HELD, {both: motion(TURNED) + motion(TURNED + sp.pi)}),
         r"This is 0 for $F = 0$ only.\end{proof}",
         r"With damping $A_1$ becomes a point where crossing-sliding meets a graze next to the "
@@ -558,11 +557,10 @@ def _examples() -> Items:
         r"$\omega_0/\Omega = 1/\sqrt{2}$ is irrational, and $V_0 = |B_0|$, as for $B_0 = "
         r"\frac{19}{20}$",
         *_numbers(torus),
-        r"For $B_0 > 1$ one motion attracts all others. For $B_0 < 1$ "
-        r"motions that meet a belt tend to the torus with $R_* = (1 - B_0)/\sqrt{2}$ "
-        r"(Table~\ref{tab:undamped-radius}), and those inside stay where they are. With $k = 1$ "
-        r"and $\Omega = \frac{17}{10}$ the ratio is $10/17$, and what looks like a closed curve "
-        r"for $B_0$ below",
+        r"For $B_0 > 1$ one motion attracts all others. For $B_0 < 1$ motions that meet a belt "
+        r"tend to the torus with $R_* = (1 - B_0)/\sqrt{2}$ (Table~\ref{tab:undamped-radius}), and "
+        r"those inside stay where they are. With $k = 1$ and $\Omega = \frac{17}{10}$ the ratio is "
+        r"$10/17$, and what looks like a closed curve for $B_0$ below",
         equation(B0, sp.Rational(189, 170), {B0: _limit()}),
         r"is 17 points: the period is $17T$.\end{example}",
         Table(
