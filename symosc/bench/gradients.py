@@ -52,8 +52,8 @@ from symosc.bench.peers_numba import (
     STEP_SAFETY,
 )
 from symosc.bench.solvers import FoundEvent, Prepare, Solver, events_of
-from symosc.engine.arithmetic import bind
 from symosc.engine.flow import friction_signs
+from symosc.kernels.rebind import bind
 from symosc.model import NEIGHBOURS, PARAMETER_NAMES, Parameters, by_name
 from symosc.reference.case import ReferenceCase
 from symosc.reference.cases import SET_VERSION, reference_cases

@@ -35,7 +35,7 @@ from symosc.bench.event_logic import (
     turn,
 )
 from symosc.bench.solvers import FoundEvent, Solver
-from symosc.engine.arithmetic import compile_modules
+from symosc.kernels.compiling import compile_modules
 from symosc.scenes import Scene
 
 STAGES = DOP853.n_stages

@@ -43,7 +43,7 @@ from symosc.bench.event_logic import (
     turn,
 )
 from symosc.bench.solvers import FoundEvent, Solver
-from symosc.engine.arithmetic import bind
+from symosc.kernels.rebind import bind
 from symosc.scenes import Scene
 
 #: As `ONE_STEP_OFFSET`; and of multistep methods at least this part of rtol: they start with order

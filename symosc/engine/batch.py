@@ -1,5 +1,7 @@
 """Many trajectories in one loop, in doubles and in double-double numbers; events go into columns.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to
 pairs; what they hand out are doubles, whose only error is their rounding unless that of the pairs
 is not negligible beside it.
@@ -44,6 +46,7 @@ from symosc.engine.summary import finish_tally, tally_step
 from symosc.kernels._generated import acceleration
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
+from symosc.kernels.rebind import outlined
 
 # Steps that doubles look ahead for an undecided event, at most.
 LOOK_AHEAD = 16
@@ -232,6 +235,7 @@ def keep_state(row, state):
 # --- doubles ---
 
 
+@outlined
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer
     is full.
@@ -258,6 +262,7 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     return batch.states.shape[0], rows, parts
 
 
+@outlined
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
     """Follow trajectory `i` to its end or a full buffer, or one step if `once`.
 
@@ -326,6 +331,7 @@ def end_by_phase(row, K):
     return t_end, float(row.t_end_low) - (t_end - t0) * K.Om_gain, t0
 
 
+@outlined
 def searched(state, row, K):
     """Find the next event after `state`, up to the end time in the batch row `row`.
 
@@ -335,6 +341,7 @@ def searched(state, row, K):
     return advance(state, t_end, t_end_low, K)
 
 
+@outlined
 def search_row(states, table):
     """Move the state in row 0 on to its next event.
 
@@ -362,6 +369,7 @@ def open_free_time(found, state, K):
     return 0.0
 
 
+@outlined
 def doubt_row(states, count, most, accuracy, table):
     """Return what `next_undecided` does for the state in row 0 of `states` and constants in row 0
     of `table`.
@@ -369,6 +377,7 @@ def doubt_row(states, count, most, accuracy, table):
     return next_undecided(state_of(states[0]), count, states[0], most, accuracy, table[0])
 
 
+@outlined
 def next_undecided(state, count, row, most, accuracy, K):
     """Look up to 16 steps ahead of `state`.
 

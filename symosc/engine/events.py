@@ -1,5 +1,7 @@
 """The recorded fields of an event: one schema for tables, files and the command line.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 `Event` names the fields with their types, `event_numbers` and `event_codes` compute them. Nothing
 else lists them.
 """

@@ -1,5 +1,7 @@
 """The first exit from a domain or a belt.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 In real arithmetic no crossing is missed, however near to a graze.
 
 Flights. In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smooth. At a
@@ -73,6 +75,7 @@ from symosc.engine.state import (
 from symosc.kernels._generated import next_derivative, stick_acceleration
 from symosc.kernels.elementary import cos, select, sin
 from symosc.kernels.entire import EPS, SIXTH
+from symosc.kernels.rebind import outlined
 
 PI = acos(-1.0)
 # What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors
@@ -277,6 +280,7 @@ def root_by_series(over, F, G1, G2, G3):
     return -linear * ((1.0 + B) + (2.0 * B * B - W)), abs(linear) * missing
 
 
+@outlined
 def newton_root(s, over, F, G1, G2, G3, resolution):
     """Find the root near `s` of over + F s + G1 s^2/2 + ...
 
@@ -513,6 +517,7 @@ def meets_once(side, now, there, M4, slack, walls):
 # --- grazes: the minimum of a gap near a tangency, and how far a gap may be wrong there ---
 
 
+@outlined
 def tolerance(side, now, start, walls, S, K):
     """Return how far the gap on `side` may be wrong at point `now`, by rounding and the covariance
     `S` at launch.
@@ -531,6 +536,7 @@ def tolerance(side, now, start, walls, S, K):
     return ROUNDING * EPS * size + K.sigmas * sqrt(abs(variance))
 
 
+@outlined
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     """Find the next minimum of the gap on `side` near `tau`; return a code, and its time.
 
@@ -582,6 +588,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     return LOST, tau
 
 
+@outlined
 def gap_reopens(tau, side, start, walls, S, K):
     """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after: the
     contact is a touch.
@@ -593,6 +600,7 @@ def gap_reopens(tau, side, start, walls, S, K):
     return False
 
 
+@outlined
 def gap_stays_zero(tau, side, start, walls, S, K):
     """Return whether a gap is 0 within its error at `tau`, and so slow that it stays so for
     0.01/`K.rate`.
@@ -681,6 +689,7 @@ def search_begin(tau_max, start, walls, S, K):
     return now, flat, thin, margin
 
 
+@outlined
 def behind_flat_start(tau_max, G2, G3, start, K):
     """Return the point of a flight up to which a gap that grows like tau^4 from 0 surely has no
     other root.
@@ -708,6 +717,7 @@ def behind_flat_start(tau_max, G2, G3, start, K):
     return state_at(tau if tau < tau_max else tau_max, start, K)
 
 
+@outlined
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
     """Find the first contact after `now` by steps that surely meet no wall, given what
     `search_begin` returns.

@@ -1,6 +1,8 @@
 """Motion within one domain, and on a belt: the constants of parameter sets and the evaluation of
 the flow.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0
 and acceleration F0; the displacement dx, the gain in velocity dv and the acceleration F after a
 time tau are the kernel `motion` of the entire functions at tau. Gains are returned rather than
@@ -33,6 +35,7 @@ from symosc.kernels.pair_columns import (
     larger,
     sign,
 )
+from symosc.kernels.rebind import outlined
 from symosc.model import OtherNumbers, Parameters
 
 # Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1|
@@ -289,6 +292,7 @@ def march_steps(K):
     return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.beat else STRIDE) / K.rate
 
 
+@outlined
 def march_rows(table, out):
     """Write the coefficients of both fixed steps for each parameter set of `table` into `out`,
     (sets, 2, fields).
@@ -508,6 +512,7 @@ def derivatives(v, F, s, c, K):
     return G1, G2, G3
 
 
+@outlined
 def stiff_derivatives(tau, start, s, c, K):
     """Return v'', v''' and v'''' at `tau` after launch, for strong damping, as sums over decaying
     and steady terms.

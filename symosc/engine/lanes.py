@@ -1,5 +1,7 @@
 """Several motions side by side in the registers of a processor, one in each lane; compiled only.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 A lane does what `symosc.engine.next_event.advance` does, with the same formulas in the same order,
 on the common path: a flight that marches to the one step in which it meets a wall, or a stick that
 slips within a forcing period, and what Theorems 4 and 5 decide there beyond doubt. Where anything
@@ -85,6 +87,7 @@ from symosc.engine.summary import EVENTS_SO_FAR, SKIPPED, STICKS, tally_step
 from symosc.kernels._generated import acceleration, basis_apart, motion, stick_acceleration
 from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, SIXTH
+from symosc.kernels.rebind import outlined
 
 # Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its
 # width.
@@ -594,6 +597,7 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 # --- many motions ---
 
 
+@outlined
 def block(flights, given, found, accuracy, K):
     """Advance a flight (`flights`) or stick per lane from the array `given` to `found`.
 
@@ -602,6 +606,7 @@ def block(flights, given, found, accuracy, K):
     return advance_side_by_side(flights, given, found, accuracy, K)
 
 
+@outlined
 def block_of_sets(flights, given, found, accuracy, constants):
     """Advance all lanes as `block` does, but each with its own parameter set, a column of the array
     `constants`.
@@ -630,6 +635,7 @@ def advance_side_by_side(flights, given, found, accuracy, K):
     return bits_of(good)
 
 
+@outlined
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     """Follow the trajectories of `batch` as `follow_all` does, with motions side by side where that
     is possible.
@@ -669,6 +675,7 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     return begin, rows, parts
 
 
+@outlined
 def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space):
     """Follow trajectories `begin` to `end` - 1 side by side in arrays `space`.
 
@@ -759,6 +766,7 @@ def put_state(states, i, found, lane):
         put_number(states, i, n, found[n, lane])
 
 
+@outlined
 def tally_lanes(good, taken, members, found, batch, most, tally, table):
     """Add the steps of the first `taken` lanes, if their bits in `good` are set, to tallies of
     motions `members`, and write their states.

@@ -1,5 +1,7 @@
 """The summary of a motion, updated at every step, in memory independent of the number of events.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 A step of the event loop (`symosc.engine.next_event.advance`) is a flight or a stick without an
 event inside. The events at their ends are always counted. Where it is asked for, also the share of
 the time on belts, the extremes, and the sections that the motion passes. Sections are where a
@@ -45,6 +47,7 @@ from symosc.engine.state import END, GRAZE, ON_BELT, REST, STATE_ROW, STICK, Flo
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SIXTH, basis_with_drive
+from symosc.kernels.rebind import outlined
 from symosc.words import MAPS
 
 # Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the
@@ -399,6 +402,7 @@ def close_word(i, tally):
     ints[i, CODE] = 0
 
 
+@outlined
 def finish_tally(i, last, code, remaining, t0, tally, K):
     """Store the `last` state of motion `i` in its tally, moved on by `remaining` if no more events
     come (REST).
@@ -444,6 +448,7 @@ def rest_of(tau, K):
     return 0.0
 
 
+@outlined
 def rest_stretches(i, state, remaining, t0, tally, K):
     """Add stick time and extremes of the motion after its last event, for the `remaining` time, to
     its tally.
@@ -481,6 +486,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
         now = then
 
 
+@outlined
 def flown(x, start, tau, s_Om, c_Om, K):
     """Return x and v of a flight `tau` after its Launch `start` at `x`.
 
@@ -496,6 +502,7 @@ def flown(x, start, tau, s_Om, c_Om, K):
 # --- at the end: the last sections, and after how many periods they repeat ---
 
 
+@outlined
 def settle(tally, sets, table, sections, repeats):
     """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with
     their multiplicity.
@@ -515,6 +522,7 @@ def settle(tally, sets, table, sections, repeats):
             repeats[i] = periods(i, tally, K)
 
 
+@outlined
 def periods(i, tally, K):
     """Return the number of periods after which words and sections repeat, twice in a row; 0 if they
     do not.
@@ -562,6 +570,7 @@ def same_sections(i, m, tally, K):
     return True
 
 
+@outlined
 def section(i, n, tally, K):
     """Return Poincaré section number `n` of motion `i` from its tally.
 
@@ -598,6 +607,7 @@ def widened(seen, x, v):
     )
 
 
+@outlined
 def flight_extremes(begin, last, start, x0, own, open_ends, K):
     """Extend `own`, the extremes of the ends of a flight, to those of the flight from time `begin`
     to point `last`.
@@ -652,6 +662,7 @@ def point(tau, dx, dv, there, K):
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
 
 
+@outlined
 def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
     """Extend the extremes `own` by those of a flight between the points `now` and `then`, which
     `own` includes.
@@ -666,6 +677,7 @@ def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
     return own
 
 
+@outlined
 def cell_within(now, then, M4, v0, x0, seen, open_ends):
     """Return whether bounds from both ends prove that a flight between points `now` and `then`
     stays within `seen`.
@@ -676,6 +688,7 @@ def cell_within(now, then, M4, v0, x0, seen, open_ends):
     )
 
 
+@outlined
 def within(reach, way, now, M4, v0, x0, seen, open_ends):
     """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or
     before: way -1).
@@ -721,6 +734,7 @@ def stays_positive(reach, p0, p1, p2, p3, p4):
     return positive_on(reach, (p0, p1, p2, p3, p4))
 
 
+@outlined
 def cut_at(now, then, start, open_ends, K):
     """Return the point at which to divide a part of a flight: one where v or x is stationary, else
     the middle.
@@ -750,6 +764,7 @@ def rates(now, of_v, start):
     return (start.v + now.dv, now.F, now.G1)
 
 
+@outlined
 def stationary(now, then, of_v, start, K):
     """Return the point between `now` and `then` where v (if `of_v`) or x is stationary, by Halley's
     method.

@@ -1,6 +1,8 @@
 """The linearised motion: derivatives of events with respect to parameters and the start, for every
 kind of number.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 Between two events the end of a flight is a function of its launch, of both phases and of the
 parameters; the generated kernels have its partial derivatives in closed form. What ends it (a
 belt's speed is reached, or a force on the belt vanishes) gives the derivative of the event's time
@@ -34,6 +36,7 @@ from symosc.kernels._generated import (
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, basis
 from symosc.kernels.mapping import repeated
+from symosc.kernels.rebind import outlined
 
 TWO_PI = 2.0 * pi
 # A gap is not moved by what changes it by less than this part of the terms of its derivative.
@@ -284,6 +287,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
     return found
 
 
+@outlined
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
     """Write derivatives of t and x at all events of `motions` into `out`, by the parameters and
     starts in `codes`.
@@ -359,6 +363,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
             start = now
 
 
+@outlined
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
     """Write derivatives of x and v at fixed `times` by `codes` into `out`, from those where pieces
     are `launched`.

@@ -24,8 +24,9 @@ from symosc.base.arguments import public
 from symosc.base.display.drawable import Drawable
 from symosc.base.errors import MissingExtraError, ParameterError
 from symosc.base.exact import show
-from symosc.engine.arithmetic import column_functions, compile_modules, mp_context
+from symosc.engine.arithmetic import column_functions, mp_context
 from symosc.kernels import double_double
+from symosc.kernels.compiling import compile_modules
 from symosc.mappings import numbers
 from symosc.mappings import theorem7_cases as cases
 from symosc.mappings.numbers import ExactPhase, LatexAnswer, number_of, read_phase_text, real_array

@@ -1,6 +1,8 @@
 """Sine, cosine, exp and expm1 as arithmetic: the same bits in CPython, in compiled loops and in
 lanes, everywhere.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 The C library's functions differ from system to system, and are calls, which no compiler turns into
 vector instructions. These have no branch (`sin` and `cos` one, for angles beyond WIDEST). The
 argument is reduced by a constant in two or three parts (Cody and Waite, Software Manual for the

@@ -1,5 +1,7 @@
 """The entire functions of `symosc.kernels.entire` for numpy arrays of times: each formula where it
 is good.
+
+This file is executed with other globals: see symosc/kernels/rebind.py.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """Residuals and derivatives of one map between two points: scalar source for every kind of number,
 and loops.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 `symosc.mappings.equations` binds these functions to numpy's and mpmath's sin, cos and entire
 functions; numba compiles them; `symosc.symbolic.export` prints them in other languages. A flight
 goes from a belt of speed v_i to one of speed v_j through the domain with A = A_alpha/m.
@@ -40,6 +42,7 @@ from symosc.kernels._generated import (
 )
 from symosc.kernels.elementary import WIDEST, cos, sin
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, basis
+from symosc.kernels.rebind import outlined
 
 # From this time on, times the damped frequency, the closed form with its square below loses no more
 # than a digit.
@@ -128,6 +131,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 # --- divided differences over repeated nodes ---
 
 
+@outlined
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
     """Return the divided differences U0, U1, U2, V, W, P, Q at `tau` that derivatives by parameters
     are made of.
@@ -156,6 +160,7 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
     return U0.real, U1.real, U2.real, Z.real, Z.imag, Y.real, Y.imag
 
 
+@outlined
 def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
     """Return the divided difference of exp(z tau) over four `nodes`, taken n0 to n3 times.
 
@@ -220,6 +225,7 @@ def farthest(counts, nodes):
     return far, first, last
 
 
+@outlined
 def difference_by_series(counts, nodes, tau):
     """Return the divided difference of exp(z tau) over `nodes` near each other, node i taken
     counts[i] times.

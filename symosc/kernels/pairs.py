@@ -1,6 +1,8 @@
 """Double-double numbers: a class for CPython and a type for numba, whose operators and functions
 give the same bits.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 A pair is the unevaluated sum hi + lo with |lo| at most half a unit of hi: 106 bits. The operators
 are the usual ones (Joldes, Muller and Popescu, ACM TOMS 44 (2017)): those of `Pair` by
 `symosc.kernels.double_double`, those of numba's type as LLVM code, where fused multiply-add gives

@@ -32,7 +32,7 @@ from symosc.base.aliases import Context, Number, Numbers
 from symosc.base.arguments import public
 from symosc.base.errors import ParameterError, SymoscError
 from symosc.engine import tangent
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, column_functions, many_digits
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions, many_digits
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force, constants, friction_signs
 from symosc.engine.start import belt_start, belt_state, force_terms
@@ -48,6 +48,7 @@ from symosc.engine.state import (
     NextEvent,
 )
 from symosc.kernels import mapping
+from symosc.kernels.rebind import bind
 from symosc.mappings.numbers import POINT_NAMES, is_array, number_of, point_columns, scalar
 from symosc.model import MODE_NAMES, NEIGHBOURS, PARAMETER_NAMES, Parameters
 from symosc.scenes import ParametersLike

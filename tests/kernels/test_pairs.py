@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from samples import sample_of
 
-from symosc.engine.arithmetic import bind
 from symosc.kernels.multiprecision import mp_context
+from symosc.kernels.rebind import bind
 
 numba = pytest.importorskip("numba")
 pairs = pytest.importorskip("symosc.kernels.pairs")

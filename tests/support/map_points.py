@@ -10,8 +10,8 @@ import mpmath
 from mpmath import mp
 
 from symosc import Parameters
-from symosc.engine.arithmetic import bind
 from symosc.kernels import entire, mapping
+from symosc.kernels.rebind import bind
 from symosc.mappings import equations as m
 from symosc.words import MAPS
 
