@@ -71,8 +71,14 @@ from symosc.engine.tangent import Letters
 from symosc.kernels.elementary import cos, sin
 from symosc.model import MODE_NAMES, Parameters
 from symosc.scenes import ParametersLike
-from symosc.simulation import batch as loops
-from symosc.simulation.batch import CancelToken, chosen_loops, in_chunks, pair_loops, read_workers
+from symosc.simulation.batch import (
+    MOST_WORKERS,
+    CancelToken,
+    follow_batch,
+    in_chunks,
+    read_workers,
+)
+from symosc.simulation.loops import CHOICE, Loops
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import (
@@ -85,7 +91,7 @@ from symosc.simulation.simulate import (
     read_most,
 )
 from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
-from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
+from symosc.simulation.tangents import event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
 from symosc.words import Word
 
@@ -172,7 +178,7 @@ def simulate_many(
     """
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
     most = read_most(max_events, MOST_EVENTS)
-    task = Task(problems, chosen_loops(use_numba), most, read_accuracy(accuracy))
+    task = Task(problems, CHOICE.of_many(use_numba), most, read_accuracy(accuracy))
     of_events = isinstance(record, str) and record == "events"
     work: Callable[..., Any]
     if of_events:
@@ -190,7 +196,7 @@ def simulate_many(
         raise ParameterError("wrt", wrt, 'is for events; leave it out, or record="events"')
     else:
         work = partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
-    threads = min(read_workers(workers), loops.MOST_WORKERS if task.loops.in_threads else 1)
+    threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
@@ -210,7 +216,7 @@ class Task(NamedTuple):
     """
 
     problems: Problems
-    loops: loops.Loops
+    loops: Loops
     most: int
     accuracy: float
 
@@ -252,10 +258,10 @@ class Chunk:
         for i in self._reset_undecided():
             cancel.check()
             if task.loops.in_threads:
-                pairs = pair_loops(int(self.batch.counts[i]))
+                pairs = CHOICE.of_pairs(int(self.batch.counts[i]))
             else:
                 pairs = None
-            loops.PAIRS.events -= int(self.batch.counts[i])
+            CHOICE.pairs.events -= int(self.batch.counts[i])
             self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, loops=pairs)
         for i, trajectory in self.alone.items():
             again[i] = trajectory.rows()
@@ -309,7 +315,7 @@ class Chunk:
         """
         follow = self.task.loops.follow
         most = self.task.most
-        for rows in loops.follow_batch(
+        for rows in follow_batch(
             follow, batch, most, self._needed, self.table, self._buffer, tally
         ):
             self._cancel.check()
@@ -357,7 +363,7 @@ class Chunk:
         waiting = np.arange(len(pairs))
         while len(waiting):
             events = wanted - batch.counts
-            functions = pair_loops(int(events[waiting[:TOGETHER]].sum()))
+            functions = CHOICE.of_pairs(int(events[waiting[:TOGETHER]].sum()))
             if functions is compiled_pairs():
                 together = len(waiting)
             else:
@@ -369,7 +375,7 @@ class Chunk:
             )
             given = active, wanted, pairs, batch, buffer, engine_batch.NO_PIECES, K, tally, going
             filled, _ = functions.follow_pairs(*given)
-            loops.PAIRS.events -= filled
+            CHOICE.pairs.events -= filled
             yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]
             further = Batch(*(column[active] for column in batch))
@@ -400,7 +406,7 @@ class Chunk:
         pairs = self.task.problems.pair_rows(
             numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0])
         )
-        pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
+        CHOICE.of_pairs(len(pairs)).first_pairs(pairs, pair_constants(parameters))
         least = np.minimum(abs(starts["Fb"]), abs(starts["Fa"]))
         largest = np.maximum(abs(starts["Fb"]), abs(starts["Fa"]))
         unclear = (starts["at"] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
@@ -474,7 +480,8 @@ def events_of(
     changes = tuple[np.ndarray, ...]()
     if wrt:
         chunk.rows = [joined(chunk.rows)]
-        loop = chosen_tangents(len(chunk.rows[0].ints[0]), task.loops.in_threads, use_numba)
+        count = len(chunk.rows[0].ints[0])
+        loop = CHOICE.of_derivatives(count, task.loops.in_threads, use_numba)
         changes = event_changes(chunk.rows[0], chunk.launches(), wrt, loop)
     for part in chunk.rows:
         part.ints[0] += rows.start

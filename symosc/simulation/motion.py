@@ -16,7 +16,7 @@ import numpy as np
 
 from symosc.base.aliases import Number
 from symosc.engine import arithmetic, batch
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, loaded_loop, many_digits
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, many_digits
 from symosc.engine.batch import (
     EventRows,
     event_buffer,
@@ -60,7 +60,7 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import no_tally
-from symosc.simulation.batch import InterpretBudget
+from symosc.simulation.loops import CHOICE
 
 # The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as
 # a part of that.
@@ -75,9 +75,6 @@ SAFETY = 100
 # The working precision where doubles do not decide, or are not accurate enough: what these leave
 # open comes before an event whose errors are not negligible beside its rounding to doubles.
 FINER_DIGITS = 44
-# The searches for single events that are interpreted before they are compiled: where the event loop
-# is loaded too.
-SEARCHES = InterpretBudget(150_000)
 # A contact that is undecided with this many times the digits may be a graze.
 GRAZE_TIMES = 3
 GRAZE_SPARE = 20
@@ -108,16 +105,6 @@ def fits_pairs(start: Start) -> bool:
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
-def table_without_state(start: Start) -> np.ndarray:
-    """Return a table with one row, which has the end time and the t0 of a motion in doubles, and
-    zeros in place of its state.
-    """
-    table = np.zeros(1, STATE_ROW)
-    table["t_end"], table["t_end_low"] = last_time(start, Arithmetic(start.parameters))
-    table["t0"] = float(start.t0)
-    return table
-
-
 class SearchInDoubles:
     """The search in doubles for the next events of one motion, by compiled code if in use.
 
@@ -128,29 +115,23 @@ class SearchInDoubles:
     # `next_event`, for more precise numbers, always exceed the errors of a state.
 
     def __init__(self, start: Start, K: Constants) -> None:
-        functions = loaded_loop() or {}
-        plain = (batch.search_row, batch.doubt_row)
-        found = tuple(functions.get(each.__name__, each) for each in plain)
-        compiled = bool(functions) and (
-            SEARCHES.events <= 0 or all(map(arithmetic.is_compiled, found))
-        )
-        if compiled:
-            self._search, self._doubt = found
-        else:
-            self._search, self._doubt = plain
-        careful = Arithmetic(start.parameters).K
-        self._table = table_without_state(start)
-        self._careful, self._K = (table_of([each]) if compiled else [each] for each in (careful, K))
+        self._loops = CHOICE.of_searches()
+        end = last_time(start, Arithmetic(start.parameters))
+        self._motion = self._loops.motion(*end, float(start.t0))
+        self._careful = self._loops.constants(Arithmetic(start.parameters).K)
+        self._K = self._loops.constants(K)
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
         """Return the event after `state` and, if undecided, a time before which no wall is met;
         None on overflow.
         """
-        keep_state(self._table[0], state)
-        SEARCHES.events -= 1
+        self._motion.put(state)
+        CHOICE.searches.events -= 1
         try:
-            code, boundary, decided, t_error, free = self._search(self._table, self._careful)
-            return NextEvent(code, boundary, decided, t_error, state_of(self._table[0])), free
+            code, boundary, decided, t_error, free = self._loops.search(
+                self._motion.table, self._careful
+            )
+            return NextEvent(code, boundary, decided, t_error, self._motion.state()), free
         except (ArithmeticError, ValueError):
             return None
 
@@ -158,10 +139,12 @@ class SearchInDoubles:
         """Return the number of the first event after number `count` that doubles cannot decide, 0
         if none is near.
         """
-        keep_state(self._table[0], state)
-        SEARCHES.events -= batch.LOOK_AHEAD
+        self._motion.put(state)
+        CHOICE.searches.events -= batch.LOOK_AHEAD
         try:
-            return int(self._doubt(self._table, count, limits.most, limits.accuracy, self._K))
+            return int(
+                self._loops.doubt(self._motion.table, count, limits.most, limits.accuracy, self._K)
+            )
         except (ArithmeticError, ValueError):
             return 0
 
@@ -388,7 +371,12 @@ class MotionInPairs:
         )
         row = batch.row_of(state, *last_time(start, exact))
         self._pairs = np.array([arithmetic.pairs_as_complex(row)], PAIR_ROW)
-        self._batch = batch.batch_of(table_without_state(start))
+        in_doubles = np.zeros(1, STATE_ROW)
+        in_doubles["t_end"], in_doubles["t_end_low"] = last_time(
+            start, Arithmetic(start.parameters)
+        )
+        in_doubles["t0"] = float(start.t0)
+        self._batch = batch.batch_of(in_doubles)
         keep_state(self._batch.states[0], rounded(state, float(start.t0), K.Om_gain))
         self._events = list[EventRows]()
         self._pieces = list[np.ndarray]()
@@ -569,8 +557,12 @@ class FinerMotion:
         self.open_at = nan
         self.open_in = 0
         self.now: MotionInPairs | MotionInDigits
-        if fits_pairs(start) and (loops or arithmetic.pairs_are_loaded()):
-            self.now = MotionInPairs(*self._problem, loops or arithmetic.compiled_pairs())
+        if fits_pairs(start):
+            loops = loops or CHOICE.of_pairs_if_loaded()
+        else:
+            loops = None
+        if loops:
+            self.now = MotionInPairs(*self._problem, loops)
         else:
             self.now = MotionInDigits(*self._problem, self._least, None)
 

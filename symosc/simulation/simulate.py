@@ -9,7 +9,6 @@ to that many digits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import nullcontext
 from fractions import Fraction
 from functools import partial
@@ -31,9 +30,9 @@ from symosc.base.exact import (
     whole_number,
 )
 from symosc.engine import batch as engine_batch
-from symosc.engine.arithmetic import Arithmetic, PairLoops, loaded_loop, mp_context
+from symosc.engine.arithmetic import Arithmetic, PairLoops, mp_context
 from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
-from symosc.engine.flow import Constants, clock_time, table_of
+from symosc.engine.flow import clock_time
 from symosc.engine.start import (
     MOST_PERIODS,
     Start,
@@ -67,7 +66,7 @@ from symosc.scenes import (
     not_reduced_error,
     parameters_of,
 )
-from symosc.simulation.batch import TURN, chosen_loops
+from symosc.simulation.loops import CHOICE
 from symosc.simulation.motion import (
     PAIR_NOISE,
     FinerMotion,
@@ -86,7 +85,6 @@ MOST_EXACT_EVENTS = 20_000
 MOST_WORKING = 12
 # Events of the first block of a motion in doubles, and of the largest one.
 FIRST_BLOCK = 64
-LARGEST_BLOCK = 1 << 15
 
 
 @public
@@ -298,11 +296,13 @@ def in_doubles(
     else:
         code = RUNNING
     while code == RUNNING:
-        loop, table, largest = single_loop(count, K)
-        size = min(largest, max(FIRST_BLOCK, 8 * count))
+        loop = CHOICE.of_single(count, K)
+        size = min(loop.most_events, max(FIRST_BLOCK, 8 * count))
         out = engine_batch.event_buffer(size)
         parts = piece_buffer(size)
-        _, filled, begins = loop(0, batch, most, needed, out, parts, no_tally(), table)
+        _, filled, begins = loop.follow(
+            0, batch, most, needed, out, parts, no_tally(), loop.constants
+        )
         events.append(engine_batch.rows_between(out, 0, filled))
         pieces.append(parts[:, :begins])
         count = int(batch.counts[0])
@@ -342,18 +342,6 @@ def in_doubles(
         status, message = _ended(start, code, state_of(batch.states[0]))
     whole = np.concatenate(pieces, axis=1)
     return Trajectory(start.parameters, rows, whole, status, message, (t0, last), first.at)
-
-
-def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int, int]], Any, int]:
-    """Return an event loop for a motion that has had `count` events, constants for it, and the most
-    rows for events.
-    """
-    if functions := loaded_loop():
-        return functions["follow_all"], table_of([K]), LARGEST_BLOCK
-    if count < TURN:
-        return engine_batch.follow_all, [K], TURN
-    loop = chosen_loops(None).follow  # compiled if that pays
-    return loop, table_of([K]), TURN if loaded_loop() is None else LARGEST_BLOCK
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:

@@ -14,7 +14,7 @@ from symosc.engine import flow
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import ConstantRows
 from symosc.model import by_name
-from symosc.simulation.batch import INTERPRETED
+from symosc.simulation.loops import INTERPRETED
 from symosc.simulation.problems import ParameterSets
 
 

@@ -34,7 +34,8 @@ from symosc import (
 )
 from symosc.engine.arithmetic import interpreted_pairs
 from symosc.engine.batch import EventRows
-from symosc.simulation.batch import DOUBLES, PAIRS, CancelToken, in_chunks
+from symosc.simulation.batch import CancelToken, in_chunks
+from symosc.simulation.loops import CHOICE
 from symosc.simulation.simulate import in_doubles, read_start
 from symosc.simulation.tables import EventTable
 
@@ -259,8 +260,8 @@ def test_events_of_pairs_are_those_of_many_digits(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("numba")
-    monkeypatch.setattr(PAIRS, "events", 0)
-    monkeypatch.setattr(DOUBLES, "events", 0)
+    monkeypatch.setattr(CHOICE.pairs, "events", 0)
+    monkeypatch.setattr(CHOICE.doubles, "events", 0)
     for seed in range(count):
         accuracy, most = random.Random(seed).choice(((1e-15, None), (5e-16, 40), (3e-16, 7)))
         assert_climbs(seed, 6, accuracy=accuracy, max_events=most)
