@@ -77,10 +77,10 @@ def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
     `ROW`).
     """
 
-    def readable(given: Any) -> Any:
-        if getattr(given, "dtype", None) == ROW:
-            return ConstantRows(given)
-        return given
+    def readable(argument: Any) -> Any:
+        if getattr(argument, "dtype", None) == ROW:
+            return ConstantRows(argument)
+        return argument
 
     return lambda *arguments: function(*converted(arguments, readable))
 
@@ -139,8 +139,8 @@ class Arithmetic:
         """Return the NextEvent after `state`: the next event up to t_end + t_end_low, or why there
         is none yet.
         """
-        found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
-        return found
+        event: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
+        return event
 
 
 @lru_cache(maxsize=1024)
@@ -343,9 +343,9 @@ class MpArithmetic(Arithmetic):
         is none yet.
         """
         with self.precision():
-            given = self.inward((state, t_end, t_end_low))
-            found: NextEvent = self.outward(self.following["advance"](*given, self.inner_K))
-            return found
+            arguments = self.inward((state, t_end, t_end_low))
+            event: NextEvent = self.outward(self.following["advance"](*arguments, self.inner_K))
+            return event
 
     def inward(self, value: Any) -> Any:
         """Convert an mpmath number, or all in a tuple, to the numbers that the event loop computes
@@ -364,8 +364,8 @@ class MpArithmetic(Arithmetic):
         """The constants K as the numbers that the event loop computes with (MPFR's if gmpy2 is
         installed).
         """
-        found: Constants = self.inward(self.K)
-        return found
+        K: Constants = self.inward(self.K)
+        return K
 
     def outward(self, value: Any, context: Any = None) -> Any:
         """Convert a number, or all in a tuple, to mpmath numbers of `context` (None: this
@@ -491,7 +491,7 @@ def interpreted_pairs() -> PairLoops:
 
     bound = bind((pairs,), {"pair": pairs.pair_of})
     replaced = _pair_constants() | {
-        name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()
+        name: bound[own.__name__] for name, own in pairs.FUNCTIONS.items()
     }
     replaced |= {"float": number, "int": whole, "two_product": product_and_zero}
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}

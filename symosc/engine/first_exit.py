@@ -115,7 +115,7 @@ FAINT = 1e-8
 # A gap within its error that leaves it within this time, times 1/rate, is on its way through 0.
 SOON = 1e-2
 SAME_PHASE = 64.0  # phases closer than this times EPS are one, as in ROUNDING
-# Limits of loops that come to their end by themselves, so that a number that is none (NaN) ends too.
+# Limits of loops that come to their end by themselves, unless a number is NaN.
 MOST_STEPS = 20000
 MOST_STICK_STEPS = 20000
 MOST_NEWTON = 200
@@ -175,7 +175,7 @@ def safe_step(cap, P):
     if p0 <= 0.0:
         return 0.0 * cap, cap
     root = cap
-    found = False
+    is_firm = False
     square = p1 * p1 - 4.0 * p0 * p2
     if square > 0.0 and (p1 < 0.0 or p2 < 0.0):
         denominator = sqrt(square) - p1
@@ -195,17 +195,17 @@ def safe_step(cap, P):
         if root >= cap:
             root = cap
             break
-        found = abs(shift) < FIRM * root
-        if found:
+        is_firm = abs(shift) < FIRM * root
+        if is_firm:
             break
-    if found:
+    if is_firm:
         s = root - SHRINK * root
     else:
         s = root
     while s > 0.0 and not positive_on(s, P):
         s = 0.5 * s
-        found = False
-    return s, root if found else cap
+        is_firm = False
+    return s, root if is_firm else cap
 
 
 def gap_to(side, now, walls):
@@ -429,7 +429,8 @@ def marched(v_free, F_free, v0, now, M, K):
     """
     v_next = M.C * v_free + M.E1 * F_free
     F_next = M.D * v_free + M.E0 * F_free
-    s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
+    s = M.c * now.s + M.s * now.c
+    c = M.c * now.c - M.s * now.s
     dv = v_next + (K.Ss * s + K.Sc * c) - v0
     F = F_next + K.Om * (K.Ss * c - K.Sc * s)
     G1 = next_derivative(F, v0 + dv, K.fB * s, K.cm, K.w0sq)
@@ -838,7 +839,7 @@ def root_ahead(root, cap, P, degree, M4, size, K):
 
 
 def wall_behind(now, walls):
-    """Return the side (-1, 1) of a wall that the flight has passed or is on at point `now`, else 0."""
+    """Return the side (-1, 1) of a wall that the flight is on or beyond at point `now`, else 0."""
     if walls.has_below and walls.below + now.dv <= 0.0:
         return -1
     if walls.has_above and walls.above - now.dv <= 0.0:
@@ -873,9 +874,9 @@ def nearest_root(cap, now, M4, margin, walls):
     ):  # the upper wall counts only if the lower one's step is too long for it
         Q, degree_above = gap_bound(1, now, M4, margin, walls)
         if not positive_on(root if root < cap else step, Q):
-            other, other_root = safe_step(cap, Q)
-            if other < step:
-                return 1, other, (cap if step < other_root else other_root), Q, degree_above
+            step_above, root_above = safe_step(cap, Q)
+            if step_above < step:
+                return 1, step_above, (cap if step < root_above else root_above), Q, degree_above
             root = cap
     return side, step, root, P, degree
 
@@ -1146,45 +1147,38 @@ def exit_begin(force, side, low, high, Delta, s, c, held, belt, K):
     sine and cosine, and the bracket.
     """
     # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, is often
-    # nearer to the root.
-    tau = low
+    # nearer to the root. Lanes call this too, so it has no branch.
     over = force + Delta
-    if side * K.fB < 0.0:
-        sine = 1.0
-    else:
-        sine = -1.0
+    sine = select(side * K.fB < 0.0, 1.0, -1.0)
     inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
-    if K.driven and low < inflection < high:
-        there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
-        if abs(there) < abs(over):
-            tau = inflection
-            over = there
-            s = sine + 0.0 * c
-            c = 0.0 * c
-        if side * there > 0.0:
-            high = inflection
-        else:
-            low = inflection
-    return tau, over, s, c, low, high
+    between = (K.driven != 0) & (low < inflection) & (inflection < high)
+    there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
+    better = between & (abs(there) < abs(over))
+    tau = select(better, inflection, low)
+    over = select(better, there, over)
+    s = select(better, sine + 0.0 * c, s)
+    c = select(better, 0.0 * c, c)
+    beyond = side * there > 0.0
+    new_low = select(beyond, low, inflection)
+    new_high = select(beyond, inflection, high)
+    return tau, over, s, c, select(between, new_low, low), select(between, new_high, high)
 
 
 def parabola_step(over, slope, bend, third, side, width):
     """Return the step to the root of the parabola through `over` with `slope` and `bend`, corrected
     for the `third` derivative; `width` if it has none on this side.
     """
+    # Lanes call this too, so it has no branch; FAR stands where there is nothing to divide by.
     square = slope * slope - 2.0 * over * bend
-    if square > 0.0:
-        steepness = side * slope + sqrt(square)
-    else:
-        steepness = 0.0 * square
-    if steepness > 0.0:
-        step = -2.0 * over * side / steepness
-    else:
-        step = width
+    is_real = square > 0.0
+    root = sqrt(select(is_real, square, 0.0 * square))
+    steepness = select(is_real, side * slope + root, 0.0 * square)
+    is_ahead = steepness > 0.0
+    step = select(is_ahead, -2.0 * over * side / select(is_ahead, steepness, FAR), width)
     incline = slope + (bend + 0.5 * third * step) * step
-    if steepness > 0.0 and side * incline > 0.0:
-        step = step - SIXTH * third * step * step * step / incline
-    return step
+    is_steep = is_ahead & (side * incline > 0.0)
+    correction = SIXTH * third * step * step * step / select(is_steep, incline, FAR)
+    return select(is_steep, step - correction, step)
 
 
 def is_beside(over, slope, bend, K):

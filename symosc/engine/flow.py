@@ -230,6 +230,12 @@ def constants(
     fades = either(slow < 0, LONGEST_PHASE / either(slow < 0, -slow, 1), most)
     free = either(under, longest, fades)
     chunk = either(driven, either(under, swinging, period), either(free < most, free, most))
+    if doubles:
+        Om_gain = number(either(driven, exactly(omega) - Om, Fraction(0))) / omega
+        period_low = number(_period_rest(period, omega))
+    else:
+        Om_gain = zero
+        period_low = zero
     return Constants(
         cm=number(2 * h),
         w0sq=number(w0sq),
@@ -264,10 +270,8 @@ def constants(
         Ss=number(-drive * p) / response,
         Sc=number(drive * q) / response,
         period=period,
-        Om_gain=number(either(driven, exactly(omega) - Om, Fraction(0))) / omega
-        if doubles
-        else zero,
-        period_low=number(_period_rest(period, omega)) if doubles else zero,
+        Om_gain=Om_gain,
+        period_low=period_low,
         chunk=chunk,
         sigmas=number(SIGMAS),
         belt1=_belt_constants(parameters, 1, number, root, angle),
@@ -392,13 +396,13 @@ def constant_table(
     compiled or not.
     """
     doubts = np.zeros(count, dtype=bool)
-    given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
-    for column in given.values():
+    watched = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
+    for column in watched.values():
         size = abs(column.hi)
         doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
     table = np.zeros(count, dtype=ROW)
     with np.errstate(all="ignore"):
-        K = constants(OtherNumbers(given), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
+        K = constants(OtherNumbers(watched), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
     _fill(table, K)
     for i in np.flatnonzero(doubts).tolist():
         table[i] = tuple(alone(i))

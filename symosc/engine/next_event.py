@@ -424,11 +424,11 @@ def meet_belt(there, end, v_noise, remaining, K):
         Fa = F
     decided = not vague
     if upward:
-        other = Fa
+        far_force = Fa
     else:
-        other = Fb
-    small = abs(other) < NEAR_FORCE * belt.J
-    if small and abs(other) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(
+        far_force = Fb
+    small = abs(far_force) < NEAR_FORCE * belt.J
+    if small and abs(far_force) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(
         S.S22
     ):
         decided = False
@@ -545,7 +545,9 @@ def following_sign(v, F, s, c, K):
         before = now
         now = 0.0 * after
         power = power * K.Om
-        drive_s, drive_c = K.Om * drive_c, -K.Om * drive_s
+        forcing_after = K.Om * drive_c
+        drive_c = -K.Om * drive_s
+        drive_s = forcing_after
     return 0
 
 
@@ -713,23 +715,20 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
     # What a motion is locked to is the phase: the rounding of Omega is taken back in the time that
     # it stands for.
     out = clock_time(t, t_low, t0, K)
-    t_error, x_error = (
-        t_error + EPS * (abs(out) + 0.25 * (t - t0)),
-        abs(v) * t_error + sqrt(S11) + EPS * abs(x),
-    )
-    return out, t_error, x_error
+    x_error = abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+    return out, t_error + EPS * (abs(out) + 0.25 * (t - t0)), x_error
 
 
 # --- with many digits: doubles search, and only the last step and its results take the digits ---
 
 
 @outlined
-def advance_near(state, rough, found, free, t_end, t_end_low, K):
-    """Advance `state` to its next event with many digits, beside the event `found` by doubles from
-    `rough`.
+def advance_near(state, rough, rough_event, free, t_end, t_end_low, K):
+    """Advance `state` to its next event with many digits, beside `rough_event`, which doubles find
+    from `rough`.
 
-    `rough` is `state` in doubles. If `found` is undecided, no wall is met for the time `free` after
-    `rough`.
+    `rough` is `state` in doubles. If `rough_event` is undecided, no wall is met for the time `free`
+    after `rough`.
     """
     # Doubles decide by more than the rounding of their start and their own. Where they are sure
     # which contact is the first and how it is met, many digits would find the same one. So these
@@ -738,7 +737,7 @@ def advance_near(state, rough, found, free, t_end, t_end_low, K):
     # (`contact_at_dip`). They search themselves where the end found so is not the one expected,
     # where doubles cannot decide otherwise, and where the end of the search is the question. The
     # rounding of `rough` is a part of its error.
-    code, boundary, decided, t_error, there = found
+    code, boundary, decided, t_error, there = rough_event
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
     if K.creeps or not tau > 0.0:
         return advance(state, t_end, t_end_low, K)

@@ -200,14 +200,14 @@ def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
 # --- step by step ---
 
 
-def tally_step(i, before, found, t0, tally, K):
-    """Add a step of motion `i`, from the state `before` to the NextEvent `found`, to its tally."""
-    after = found.state
+def tally_step(i, before, event, t0, tally, K):
+    """Add a step of motion `i`, from the state `before` to the NextEvent `event`, to its tally."""
+    after = event.state
     asked = tally.asked
     ints = tally.ints
-    if found.code <= GRAZE and (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
+    if event.code <= GRAZE and (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
         ints[i, EVENTS_SO_FAR] += 1
-        ints[i, STICKS] += found.code == STICK
+        ints[i, STICKS] += event.code == STICK
     if asked.extent or (asked.stuck and before.mode > ON_BELT):
         tau = (after.t - before.t) + (after.t_low - before.t_low)
         tally_stretch(i, before, after, tau, t0, tally, K)
@@ -215,21 +215,21 @@ def tally_step(i, before, found, t0, tally, K):
         return
     if after.n > before.n:
         tally_sections(i, before, after.n, after.S, tally, K)
-    if found.code <= GRAZE:
+    if event.code <= GRAZE:
         to_section = TWO_PI - after.theta
-        reach = 8.0 * (K.Om * found.t_error)
+        reach = 8.0 * (K.Om * event.t_error)
         near = to_section < AT_SECTION + (reach if reach < MOST_AT_SECTION else MOST_AT_SECTION)
         if near and ints[i, EARLY] == 0:
             close_word(i, tally)
             ints[i, EARLY] = 1
-        code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + found.boundary])
+        code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + event.boundary])
         if code > 0:
             length = ints[i, LENGTH]
             if length < tally.labels.shape[2]:
                 tally.labels[i, 0, length] = code
             ints[i, LENGTH] = length + 1
             ints[i, CODE] = (ints[i, CODE] * 9 + code) % WORD_MODULUS
-        ints[i, PLANE] = found.boundary
+        ints[i, PLANE] = event.boundary
 
 
 def launch_of(state):

@@ -242,7 +242,7 @@ def vanishing_times(domain, now, codes, letters, K, work):
     return REGULAR
 
 
-def contact_times(domain, other, belt, now, a, codes, K, work):
+def contact_times(domain, far_domain, belt, now, a, codes, K, work):
     """Write derivatives by `codes` of when a flight meets a belt with v' = `a`.
 
     Return as `vanishing_times` does.
@@ -258,7 +258,7 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
     F, rounding = force(domain, now, K)
     if abs(F) <= VANISHES * rounding:
         return FLAT_CONTACT
-    if vanishes(other, now, K):
+    if vanishes(far_domain, now, K):
         return NO_FORCE
     if abs(F) <= SMALL * rounding:
         return ROUGH
@@ -270,7 +270,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
     Return whether any does.
     """
-    found = False
+    has_kink = False
     for j in range(len(regular)):
         if codes[j] == belt:
             own = 1.0
@@ -283,8 +283,8 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
             else:
                 marks[n, j] = OPENS_BELOW
             regular[j] = False
-            found = True
-    return found
+            has_kink = True
+    return has_kink
 
 
 @outlined

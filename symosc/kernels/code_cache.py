@@ -116,7 +116,7 @@ class _CheckedCache(FunctionCache):
         self._searched_at = -SEARCH_AGAIN
 
     def has_code(self) -> bool:
-        """Return whether there is code of this function on disk; look once in SEARCH_AGAIN seconds."""
+        """Return whether code of this function is on disk; look once in SEARCH_AGAIN seconds."""
         if not self._found and monotonic() - self._searched_at >= SEARCH_AGAIN:
             self._found = os.path.exists(self._cache_file._index_path)
             self._searched_at = monotonic()

@@ -1,4 +1,4 @@
-"""Compilation by numba of functions that are written as plain Python, with the code kept on disk."""
+"""Compilation of plain Python functions by numba, with the code kept on disk."""
 
 from __future__ import annotations
 

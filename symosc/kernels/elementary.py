@@ -66,11 +66,11 @@ X9 = 2.5105206475334834e-08
 X10 = 2.091467944897855e-09
 
 
-def select(condition, one, other):
-    """Return `one` where a condition holds, else `other`."""
+def select(condition, value, fallback):
+    """Return `value` where a condition holds, else `fallback`."""
     if condition:
-        return one
-    return other
+        return value
+    return fallback
 
 
 def power_of_two(n):

@@ -175,18 +175,20 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
         # One node less: the last one, then the first one.
         without_last = one_less(counts, last)
         without_first = one_less(counts, first)
-        one = key_of(without_last)
-        other = key_of(without_first)
+        first_key = key_of(without_last)
+        second_key = key_of(without_first)
         if far * tau < FAR_NODES:
             known[key_of(counts)] = difference_by_series(counts, nodes, tau)
-        elif not there[one]:
+        elif not there[first_key]:
             stack.append(without_last)
             continue
-        elif not there[other]:
+        elif not there[second_key]:
             stack.append(without_first)
             continue
         else:
-            known[key_of(counts)] = (known[one] - known[other]) / (nodes[first] - nodes[last])
+            known[key_of(counts)] = (known[first_key] - known[second_key]) / (
+                nodes[first] - nodes[last]
+            )
         there[key_of(counts)] = True
         stack.pop()
     return known[key]

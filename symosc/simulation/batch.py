@@ -128,24 +128,24 @@ def in_chunks(
     results = list[Result]()
     done = 0
 
-    def one(rows: slice) -> Result:
+    def work_on(rows: slice) -> Result:
         cancel.check()
         try:  # another thread may have taken the last one
             buffer = SPARE_BUFFERS.pop()
         except IndexError:
             buffer = event_buffer(CAPACITY)
-        found = work(rows, buffer, cancel)
+        result = work(rows, buffer, cancel)
         SPARE_BUFFERS.append(buffer)
-        return found
+        return result
 
     if min(workers, len(chunks)) <= 1:
         for rows in chunks:
-            results.append(one(rows))
+            results.append(work_on(rows))
             progress(rows.stop, count)
     else:
         with ThreadPoolExecutor(min(workers, len(chunks)), thread_name_prefix="symosc") as pool:
             try:
-                futures = {pool.submit(one, rows): rows.stop - rows.start for rows in chunks}
+                futures = {pool.submit(work_on, rows): rows.stop - rows.start for rows in chunks}
                 for future in as_completed(futures):
                     future.result()
                     done += futures[future]

@@ -200,7 +200,7 @@ def simulate_many(
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
-        rows, status = ([each for part in parts for each in part[n]] for n in range(2))
+        rows, status = ([item for part in parts for item in part[n]] for n in range(2))
         columns = map(
             engine_batch.joined_arrays, map(list, zip(*(part[2] for part in parts), strict=True))
         )
@@ -326,7 +326,7 @@ class Chunk:
 
         Return events by motion.
         """
-        found: dict[int, EventRows] = {}
+        events_by_motion: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.surely_fit_pairs(numbers, self._starts["at"][members], FAR_OFF)
         groups: dict[int, list[int]] = {}
@@ -339,10 +339,10 @@ class Chunk:
             events = EventRows(*(columns[:, order] for columns in events))
             cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
             events.ints[0] = np.array(some)[events.ints[0]]
-            found |= {
+            events_by_motion |= {
                 i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)
             }
-        return found
+        return events_by_motion
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
         """Follow the motions `members`, of one parameter set, to the end, in pairs where doubles
@@ -373,19 +373,29 @@ class Chunk:
             buffer = event_buffer(
                 0 if len(tally.floats) else int((events + MOST_MORE)[active].sum())
             )
-            given = active, wanted, pairs, batch, buffer, engine_batch.NO_PIECES, K, tally, going
-            filled, _ = functions.follow_pairs(*given)
+            arguments = (
+                active,
+                wanted,
+                pairs,
+                batch,
+                buffer,
+                engine_batch.NO_PIECES,
+                K,
+                tally,
+                going,
+            )
+            filled, _ = functions.follow_pairs(*arguments)
             CHOICE.pairs.events -= filled
             yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]
             further = Batch(*(column[active] for column in batch))
             counted = select_tallies(tally, active)
             if len(active):
-                found = joined(self._in_doubles(further, counted))
+                further_events = joined(self._in_doubles(further, counted))
                 doubtful = further.codes <= UNDECIDED
-                decided = ~doubtful[found.ints[0]]
-                found.ints[0] = active[found.ints[0]]
-                yield EventRows(found.floats[:, decided], found.ints[:, decided])
+                decided = ~doubtful[further_events.ints[0]]
+                further_events.ints[0] = active[further_events.ints[0]]
+                yield EventRows(further_events.floats[:, decided], further_events.ints[:, decided])
                 wanted[active] = further.counts + (further.codes == UNDECIDED)
                 done = active[~doubtful]
                 for column, own in zip(batch, further, strict=True):
@@ -635,11 +645,11 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     for before, after in pairwise(states):
         if not (events or whole):
             break
-        found = NextEvent(MOVED, 0, True, 0.0, after)
+        event = NextEvent(MOVED, 0, True, 0.0, after)
         if events and events[-1][:2] == (after.x, after.theta):
             _, _, t_error, kind, boundary = events.pop()
-            found = NextEvent(kind, boundary, True, t_error, after)
-        tally_step(i, before, found, 0.0, tally, K)
+            event = NextEvent(kind, boundary, True, t_error, after)
+        tally_step(i, before, event, 0.0, tally, K)
         last = after
     remaining = (float(trajectory.t_end) - t0) - last.t
     finish_tally(i, last, REST if whole else RUNNING, remaining, 0.0, tally, K)

@@ -109,7 +109,7 @@ class PlainMotion:
 
 
 class MotionInTable:
-    """One motion as compiled code takes it: a numpy table with one row, read and written at once."""
+    """One motion as compiled code takes it: a numpy table of one row, read and written as a whole."""
 
     def __init__(self, t_end: float, t_end_low: float, t0: float) -> None:
         self.table = np.zeros(1, STATE_ROW)

@@ -233,7 +233,7 @@ class Motion:
             half = float(context.eps) / 2
         else:
             half = 0.0
-        found = list[Event]()
+        events = list[Event]()
         for numbers, codes in self._events:
             values: dict[str, Any] = dict(zip(FLOAT_COLUMNS, numbers, strict=True))
             values |= {
@@ -248,8 +248,8 @@ class Motion:
                     values[name] = CODE_NAMES[name][code]
                 else:
                     values[name] = code
-            found.append(Event(**values))
-        return found
+            events.append(Event(**values))
+        return events
 
     def undo(self) -> None:
         """Take back the last step: its state, its piece, and its event if it had one."""
@@ -282,33 +282,33 @@ class Motion:
         own = self.arithmetic
         with own.precision():
             before = self._before = self._state
-            found = self._next_event(before)
-            self.code = found.code
-            self.decided = found.decided
-            self._state = found.state
-            if found.code in (END, REST):
+            event = self._next_event(before)
+            self.code = event.code
+            self.decided = event.decided
+            self._state = event.state
+            if event.code in (END, REST):
                 return
             self._record_piece(self._elapsed())
-            if found.code <= GRAZE:
-                s = found.state
+            if event.code <= GRAZE:
+                s = event.state
                 time_with_errors = own.following["time_with_errors"]
                 clock = time_with_errors(
-                    s.t, s.t_low, self._begin[0], s.x, s.v, found.t_error, s.S.S11, self.K
+                    s.t, s.t_low, self._begin[0], s.x, s.v, event.t_error, s.S.S11, self.K
                 )
-                self._record_event(before, found, clock)
-                self.grazes_only = self.grazes_only and found.code == GRAZE
+                self._record_event(before, event, clock)
+                self.grazes_only = self.grazes_only and event.code == GRAZE
 
-    def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
-        """Store the event `found` after `before`.
+    def _record_event(self, before: State, event: NextEvent, clock: tuple[Number, ...]) -> None:
+        """Store the event `event` after `before`.
 
         `clock` has its time, and the errors of its time and position.
         """
         t, t_error, x_error = clock
         self._worst = max(
-            self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(found.state.x))
+            self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(event.state.x))
         )
-        numbers = self.arithmetic.following["event_numbers"](before, found, clock, self.K)
-        self._events.append((numbers, event_codes(before, found)))
+        numbers = self.arithmetic.following["event_numbers"](before, event, clock, self.K)
+        self._events.append((numbers, event_codes(before, event)))
 
     def _next_event(self, state: State) -> NextEvent:
         """Return the event after `state` with many digits; doubles search for it where they can."""
@@ -324,10 +324,10 @@ class Motion:
         self._rough = None
         if ahead is None:
             self._search = None
-            found: NextEvent = functions["advance"](state, *self._end, self.K)
+            event: NextEvent = functions["advance"](state, *self._end, self.K)
         else:
-            found = functions["advance_near"](state, rough, *ahead, *self._end, self.K)
-        return found
+            event = functions["advance_near"](state, rough, *ahead, *self._end, self.K)
+        return event
 
     def _elapsed(self) -> Number:
         """Return the time since t0, as a number of the kind that the motion is computed with."""
@@ -363,7 +363,7 @@ class MotionInPairs:
     def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops) -> None:
         exact = many_digits(start.parameters, arithmetic.ROUNDED_FROM)
         state = first_state(start, exact)
-        tables = (table_of([each]) for each in (K, Arithmetic(start.parameters).K))
+        tables = (table_of([constants]) for constants in (K, Arithmetic(start.parameters).K))
         self._follow = loops.follow_pairs
         self._K = arithmetic.pair_constants(start.parameters)
         self._limits = batch.PairLimits(
@@ -418,8 +418,8 @@ class MotionInPairs:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
             out = event_buffer(size)
             pieces = piece_buffer(size)
-            given = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
-            rows, parts = self._follow(first, wanted, *given)
+            arguments = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
+            rows, parts = self._follow(first, wanted, *arguments)
             self._events.append(rows_between(out, 0, rows))
             self._pieces.append(pieces[:, :parts])
             self.goal = int(wanted[0])
@@ -430,10 +430,10 @@ class MotionInPairs:
         """Return the events and the pieces (parts between steps) found since the last call, as
         columns.
         """
-        found = joined(self._events), np.concatenate(self._pieces, axis=1)
+        columns = joined(self._events), np.concatenate(self._pieces, axis=1)
         self._events = []
         self._pieces = []
-        return found
+        return columns
 
 
 class MotionInDigits(Motion):
@@ -450,20 +450,20 @@ class MotionInDigits(Motion):
         K: Constants,
         limits: Limits,
         digits: int,
-        other: MotionInPairs | MotionInDigits | None,
+        before: MotionInPairs | MotionInDigits | None,
     ) -> None:
-        if other:
-            begin = other.last_sure(many_digits(start.parameters, digits))
+        if before:
+            begin = before.last_sure(many_digits(start.parameters, digits))
         else:
             begin = None
         super().__init__(start, digits, begin, K)
-        self.from_start = other is None
+        self.from_start = before is None
         self.is_known = True
-        if other:
-            self._skipped = other.count
+        if before:
+            self._skipped = before.count
         else:
             self._skipped = 0
-        self.grazes_only = other is None or other.grazes_only
+        self.grazes_only = before is None or before.grazes_only
         self._limits = limits
         self.goal = 0
 
@@ -498,20 +498,20 @@ class MotionInDigits(Motion):
                 return False
         return True
 
-    def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
+    def _record_event(self, before: State, event: NextEvent, clock: tuple[Number, ...]) -> None:
         """Store an event rounded to doubles, with its errors.
 
         Note whether it is known well enough.
         """
         t, t_error, x_error = map(float, clock)
-        x = float(found.state.x)
+        x = float(event.state.x)
         noise = self._limits.noise
         self.is_known = self.from_start or (
             batch.is_below(noise, t_error, t) and batch.is_below(noise, x_error, x)
         )
         told = t, batch.rounding_error(t_error, t), batch.rounding_error(x_error, x)
-        numbers = self.arithmetic.following["event_numbers"](before, found, told, self.K)
-        self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
+        numbers = self.arithmetic.following["event_numbers"](before, event, told, self.K)
+        self._events.append((tuple(map(float, numbers)), event_codes(before, event)))
 
     def last_sure(self, finer: MpArithmetic) -> State:
         """Return the current state, the last that is known, in the more precise arithmetic `finer`."""
@@ -600,7 +600,7 @@ class FinerMotion:
         else:
             least = 0
         times = now.elapsed, start.t_end - start.t0
-        needed, whole = (digits_to_confirm_graze(now, each, base, least) or inf for each in times)
+        needed, whole = (digits_to_confirm_graze(now, span, base, least) or inf for span in times)
         if least > MOST_SHRINKING:
             needed = inf
         if now.from_start and now.code != FAILED and now.digits >= needed:
@@ -624,16 +624,16 @@ class FinerMotion:
             most = min(whole, MOST_GRAZE, GRAZE_TIMES * needed)
         return self._go_on(int(max(needed, most)), now)
 
-    def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Go on with `digits` digits from where `other` is, or from t0.
+    def _go_on(self, digits: int, source: MotionInPairs | MotionInDigits | None = None) -> bool:
+        """Go on with `digits` digits from where `source` is, or from t0.
 
         Return whether it reaches all events so far.
         """
         self._take()
         before = self.now
         count = self.now.count
-        self.now = now = MotionInDigits(*self._problem, digits, other)
-        if isinstance(before, MotionInPairs) or other:
+        self.now = now = MotionInDigits(*self._problem, digits, source)
+        if isinstance(before, MotionInPairs) or source:
             return True
         # Steps of two arithmetics differ: one may end between events where the other one does not.
         while not now.ended and now.count <= count and now.elapsed < before.elapsed:

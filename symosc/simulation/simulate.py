@@ -184,38 +184,38 @@ def read_most(max_events: Any, default: int) -> int:
 
 
 def read_start(
-    scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any
+    scene: Scene | Parameters | SceneName, arguments: dict[str, Any], start_error: Any
 ) -> Start:
     """Return the initial value problem of a scene or of keyword arguments.
 
     Refuse a scene of another model.
     """
-    start, original = read_problem(scene, given, start_error)
+    start, original = read_problem(scene, arguments, start_error)
     if original is not None:
         raise not_reduced_error(scene)
     return start
 
 
 def read_problem(
-    scene: Any, given: dict[str, Any], start_error: Any
+    scene: Any, arguments: dict[str, Any], start_error: Any
 ) -> tuple[Start, Original | None]:
     """Return the initial value problem of a scene or of arguments, and the other model it stands
     for, if any.
     """
     if isinstance(scene, Parameters | OtherModel):
-        if given["t_end"] is None:
+        if arguments["t_end"] is None:
             if isinstance(scene, Parameters):
                 what = "Parameters"
             else:
                 what = "an OtherModel"
             raise ParameterError("t_end", None, f"t_end is required when you pass {what}")
-        given = {name: 0 if value is None else value for name, value in given.items()}
-        given["t_end"] = end_time(given["t_end"], parameters_of(scene), given["t0"])
-        scene = Scene("motion", scene, **given)  # type: ignore[arg-type]
-        given = {}
+        arguments = {name: 0 if value is None else value for name, value in arguments.items()}
+        arguments["t_end"] = end_time(arguments["t_end"], parameters_of(scene), arguments["t0"])
+        scene = Scene("motion", scene, **arguments)  # type: ignore[arg-type]
+        arguments = {}
     elif not isinstance(scene, Scene):
         scene = load_scene(scene)
-    if changes := {name: value for name, value in given.items() if value is not None}:
+    if changes := {name: value for name, value in arguments.items() if value is not None}:
         scene = scene.started(changes)
     if start_error is not None and scene.original is not None:
         scene = moved_scene(scene, scene.original, start_error=start_error)
@@ -403,9 +403,9 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
     context = mp_context(digits)
     columns = motion.columns()
     span = context.convert(motion.t0), context.convert(last)
-    found = partial(motion.events, context)
+    events = partial(motion.events, context)
     return Trajectory(
-        start.parameters, found, columns, status, message, span, motion.first_at, digits
+        start.parameters, events, columns, status, message, span, motion.first_at, digits
     )
 
 

@@ -208,6 +208,6 @@ def test_functions_of_columns_have_the_bits_of_single_numbers() -> None:
     own = column_functions()
     x = np.random.default_rng(1).uniform(-700, 700, 20_000)
     for name in ("sin", "cos", "exp", "expm1"):
-        assert own[name](x).tolist() == [getattr(elementary, name)(each) for each in x.tolist()]
+        assert own[name](x).tolist() == [getattr(elementary, name)(entry) for entry in x.tolist()]
         assert own["basis"].__globals__["np"].__dict__[name] is own[name]
     assert own["sin"](np.array([1e7])) == elementary.sin(1e7)

@@ -92,8 +92,8 @@ def test_a_root_near_0_is_found_to_the_resolution() -> None:
         if abs(root) * (abs(G1) + abs(G2) + abs(G3)) > 0.2 * abs(F):
             continue  # then another root may be as near
         over = -(F + (G1 / 2 + (G2 / 6 + G3 / 24 * root) * root) * root) * root
-        found = exits.local_root(over, F, G1, G2, G3, resolution)
-        assert abs(found - root) <= resolution + 1e-15
+        computed = exits.local_root(over, F, G1, G2, G3, resolution)
+        assert abs(computed - root) <= resolution + 1e-15
 
 
 COEFFICIENTS = st.floats(-5, 5)
@@ -192,24 +192,24 @@ def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
             continue
         start, now = launched(rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28), K)
         walls = Walls(start.v + 1, 1 - start.v, True, True, False, False)
-        found = march(K.chunk, start.v, now, walls, 0.0, K)
-        sides[found.side] += 1
-        if found.side != 0:
-            low = found.now.tau
-            high = found.there.tau
+        computed = march(K.chunk, start.v, now, walls, 0.0, K)
+        sides[computed.side] += 1
+        if computed.side != 0:
+            low = computed.now.tau
+            high = computed.there.tau
             assert low < high < K.chunk
-            assert found.there.dv == pytest.approx(
+            assert computed.there.dv == pytest.approx(
                 state_at(high, start, K).dv, abs=1e-12 * (2 + K.V0 + abs(start.F))
             )
             beyond = [
-                found.side * (start.v + state_at(t, start, K).dv) > 1
+                computed.side * (start.v + state_at(t, start, K).dv) > 1
                 for t in np.linspace(low, high, 60)
             ]
             assert beyond == sorted(beyond)
             assert not beyond[0]
             assert beyond[-1]
             assert all(
-                -found.side * (start.v + state_at(t, start, K).dv) < 1
+                -computed.side * (start.v + state_at(t, start, K).dv) < 1
                 for t in np.linspace(low, high, 60)
             )
     assert min(sides.values()) > 5
