@@ -424,16 +424,13 @@ def write_piece(pieces, row, state, elapsed):
     """Write a motion's piece that begins at `state`, a time `elapsed` after t0, into column `row`
     of `pieces`.
     """
-    pieces[0, row] = state.n
-    pieces[1, row] = state.theta
-    pieces[2, row] = state.mode
-    pieces[3, row] = state.x
-    pieces[4, row] = state.v
     if state.mode <= ON_BELT:
-        pieces[5, row] = state.Fb
+        a = state.Fb
     else:
-        pieces[5, row] = 0.0
-    pieces[6, row] = elapsed
+        a = 0.0
+    numbers = float(state.n), state.theta, float(state.mode), state.x, state.v, a, elapsed
+    for n in range(len(numbers)):
+        pieces[n, row] = numbers[n]
 
 
 # --- double-double numbers, where doubles cannot decide ---

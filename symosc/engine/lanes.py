@@ -8,7 +8,11 @@ slips within a forcing period, and what Theorems 4 and 5 decide there beyond dou
 else happens, the lane's result is dropped, and the scalar loop makes this step. So results have the
 same bits, whatever the number of lanes, and whichever motions are neighbours.
 
-Why it stays, although it is the common path of the engine once more: @SPEED@
+Why it stays, although it is the common path of the engine once more: `simulate_many` is half as
+fast without it. An event of fig5 that is only counted takes 124 ns with eight lanes and 235 ns in
+the scalar loop (one core), and counts, words and extremes of millions of events are what sweeps and
+basins ask for. One source for both does not work: a lane cannot branch, and the scalar search
+without branches would evaluate every case.
 
 What it shares: every function that has no branch (`marched`, `stays_open`, `meets_once`,
 `sharpened`, `shifted`, `exit_begin`, `parabola_step`, `carried_error`, the kernels ...) is called
