@@ -172,5 +172,4 @@ def report() -> Path:
 @pytest.fixture
 def interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let CPython follow single motions, whose functions a test replaces, whatever this process has compiled."""
-    for module in ("simulate", "motion"):
-        monkeypatch.setattr(f"symosc.simulation.{module}.loaded_loop", lambda: None)
+    monkeypatch.setattr("symosc.simulation.loops.loaded_loop", lambda: None)

@@ -31,13 +31,13 @@ from symosc.kernels.entire import EPS
 from symosc.mappings.equations import MapArithmetic, map_arithmetic
 from symosc.model import Parameters
 from symosc.scenes import Scene, scene_of
+from symosc.simulation.loops import CHOICE
 from symosc.simulation.simulate import read_start, simulate
 from symosc.simulation.tangents import (
     codes_of,
     columns_of,
     is_deep,
     read_wrt,
-    tangent_loops,
     work_space,
 )
 from symosc.simulation.trajectory import Trajectory, read_times
@@ -193,7 +193,7 @@ class _Columns:
         constants for it.
         """
         if self.context is None:
-            compiled = tangent_loops(count > MANY)
+            compiled = CHOICE.of_derivatives_on_disk(count > MANY)
         else:
             compiled = None
         if compiled:

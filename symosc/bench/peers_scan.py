@@ -20,7 +20,7 @@ from symosc.base.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
 from symosc.bench.solvers import FoundEvent, Solver
-from symosc.engine.arithmetic import compile_modules
+from symosc.kernels.compiling import compile_modules
 from symosc.model import Parameters
 from symosc.scenes import Scene
 

@@ -38,7 +38,7 @@ from symosc.bench.event_logic import (
     turn,
 )
 from symosc.bench.solvers import FoundEvent, Solver
-from symosc.engine.arithmetic import bind
+from symosc.kernels.rebind import bind
 from symosc.scenes import Scene
 
 #: As `ONE_STEP_OFFSET`, for methods of one step.

@@ -28,7 +28,7 @@ import numpy as np
 
 from symosc.base.errors import MissingExtraError
 from symosc.crosschecks.samples import Samples
-from symosc.engine.arithmetic import Arithmetic, is_compiled, loaded_loop, mp_context
+from symosc.engine.arithmetic import Arithmetic, loaded_loop, mp_context
 from symosc.engine.batch import Batch, batch_of, joined, keep_state, state_of
 from symosc.engine.flow import Constants, table_of
 from symosc.engine.next_event import TWO_PI, advance
@@ -36,13 +36,15 @@ from symosc.engine.start import start_rows
 from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
+from symosc.kernels.compiling import is_compiled
 from symosc.kernels.double_double import two_product
 from symosc.kernels.entire import EPS
 from symosc.model import Parameters
-from symosc.simulation.batch import InterpretBudget, chosen_loops, follow_batch
+from symosc.simulation.batch import follow_batch
+from symosc.simulation.loops import CHOICE, INTERPRETED, Budget
 
 # Number of steps followed in small calls before compiled code is loaded, which takes a second.
-FEW_STEPS = InterpretBudget(50_000)
+FEW_STEPS = Budget(50_000)
 # So many in one call are followed by compiled code, where the disk has it.
 MANY_STEPS = 2_000
 MOST_STEP_EVENTS = 10_000  # in one step
@@ -370,11 +372,11 @@ def _follow(
 
 def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:
     """Return the loop that follows `count` steps: interpreted, or compiled if that is quicker."""
-    interpreted = chosen_loops(False).follow
+    interpreted = INTERPRETED.follow
     if count < MANY_STEPS and FEW_STEPS.events > 0 and loaded_loop() is None:
         return interpreted
     try:
-        loop = chosen_loops(True).follow
+        loop = CHOICE.of_many(True).follow
     except MissingExtraError:
         return interpreted
     return loop if is_compiled(loop) or FEW_STEPS.events <= 0 else interpreted

@@ -1,10 +1,9 @@
 """The engine for each kind of numbers (doubles, pairs, many digits): its functions, bound to their
 arithmetic.
 
-The inner loop (SOURCES) is plain functions on numbers. `bind` copies a function so that it sees
-other globals (mpmath's sin, cos and precision, or compiled functions), `compile_modules` lets numba
-compile the copies: nothing is written twice, and each copy reports the line where it was written.
-So there are
+The inner loop (SOURCES) is plain functions on numbers, which `symosc.kernels.rebind` copies with
+other globals (mpmath's sin, cos and precision, or compiled functions), and which
+`symosc.kernels.compiling` lets numba compile: nothing is written twice. So there are
 
 - `Arithmetic`: doubles, as CPython runs the source; `compiled` has the same functions compiled by
   numba;
@@ -16,19 +15,12 @@ So there are
 
 from __future__ import annotations
 
-import builtins
-import hashlib
-import inspect
 import math
-import sys
 import types
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache, cached_property, lru_cache, partial
-from glob import escape
-from pathlib import Path
-from time import monotonic
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -49,6 +41,8 @@ from symosc.engine import (
 from symosc.engine.flow import NESTED, ROW, ConstantRows, Constants, constants, with_march
 from symosc.engine.state import TUPLES_IN_FOLLOWED, Followed, NextEvent, State
 from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
+from symosc.kernels.compiling import compile_modules, is_compiled
+from symosc.kernels.rebind import bind, functions_of, outlined_in
 from symosc.model import Parameters
 
 SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
@@ -64,182 +58,8 @@ MP_SIGMAS = 2**10
 PAIR_EPS = Fraction(1, 2**100)
 # Digits from which constants and starts are rounded to pairs.
 ROUNDED_FROM = 50
-# Seconds after which a folder of compiled code is searched again: that takes as long as thousands
-# of events.
-SEARCH_AGAIN = 1.0
-# What numba compiles into the code as a number.
-CONSTANTS = (bool, int, float, complex, str)
 
-# Functions that are called from several places and rarely: not worth a copy in each.
-OUTLINED = """
-    advance_near apart_from_walls behind_flat_start block block_of_sets careful cell_extremes cell_within
-    closest_approach creeps_for_ever cut_at doubt_row finish_tally flight_extremes flown follow_all follow_group
-    follow_lanes follow_one free_time gap_reopens gap_stays_zero graze_belt march_rows newton_root next_undecided
-    no_contact periods point_at_end resolve rest_stretches search_row searched section series settle
-    slow_passing_time stationary stepped stiff_derivatives tally_lanes tolerance within
-"""
-
-
-# --- one source, other globals ---
-
-
-def functions_of(modules: Iterable[types.ModuleType]) -> dict[str, types.FunctionType]:
-    """Return by name the functions that `modules` define, not import.
-
-    ValueError if two have the same name.
-    """
-    found: dict[str, types.FunctionType] = {}
-    for module in modules:
-        for name, value in vars(module).items():
-            if isinstance(value, types.FunctionType) and (value.__module__, value.__name__) == (
-                module.__name__,
-                name,
-            ):
-                if name in found:
-                    raise ValueError(
-                        f"{name} is written in {found[name].__module__} and in {module.__name__}"
-                    )
-                found[name] = value
-    return found
-
-
-def bind(
-    modules: Iterable[types.ModuleType],
-    replaced: dict[str, Any],
-    wrap: Callable[[Any], Any] | None = None,
-    literal: Callable[[float], Any] | None = None,
-) -> dict[str, Any]:
-    """Copy the functions of `modules` so that they call each other, and use `replaced[name]` for a
-    global `name`.
-
-    `wrap`, such as a compiler, is applied to each copy; `literal` converts each float that is
-    written in the source, such as 0.5.
-    """
-    # `literal` converts limits with a name too. A name in `replaced` must be one that the functions
-    # could see.
-    modules = tuple(modules)
-    shared: dict[str, Any] = {}
-    for module in modules:
-        seen = {name: value for name, value in vars(module).items() if not name.startswith("__")}
-        twice = [name for name in seen.keys() & shared.keys() if isinstance(seen[name], CONSTANTS)]
-        clashes = sorted(
-            name for name in twice if name not in replaced and seen[name] != shared[name]
-        )
-        if clashes:
-            raise ValueError(f"{clashes} have another value in {module.__name__}")
-        shared |= seen
-    unknown = sorted(
-        name for name in replaced if name not in shared and not hasattr(builtins, name)
-    )
-    if unknown:
-        raise ValueError(f"{unknown} are no names in {[module.__name__ for module in modules]}")
-    if literal is not None:
-        shared = {
-            name: literal(value) if type(value) is float else value
-            for name, value in shared.items()
-        }
-    # numba asks globals for their module, and numpy for the builtins
-    shared |= replaced | {"__name__": __name__, "__builtins__": builtins}
-    for name, function in functions_of(modules).items():
-        if name not in replaced:
-            code = function.__code__
-            if literal is not None:
-                numbers = (
-                    literal(value) if type(value) is float else value for value in code.co_consts
-                )
-                code = code.replace(co_consts=tuple(numbers))
-            copy = types.FunctionType(code, shared, name, function.__defaults__)
-            copy.__module__ = function.__module__
-            if wrap:
-                shared[name] = wrap(copy)
-            else:
-                shared[name] = copy
-    return shared
-
-
-def compile_modules(
-    modules: Iterable[types.ModuleType],
-    outlined: Iterable[str] | None = None,
-    callees: dict[str, Any] | None = None,
-    replaced: dict[str, Any] | None = None,
-    literal: Callable[[float], Any] | None = None,
-    beside: Iterable[types.ModuleType] = (),
-) -> dict[str, Any]:
-    """Compile the functions of `modules` by numba, each at its first call; return them by name.
-
-    The code is kept on disk. Functions that are not in `outlined` are inlined into their callers.
-    `callees` are compiled functions to call instead of those of the same name. `replaced` and
-    `literal` are as in `bind`, and the code counts as old when a module in `beside` changes.
-    """
-    # If `outlined` is None, nothing is inlined. `callees` that no module sees are left out. The
-    # modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError
-    # without numba.
-    try:
-        import numba
-
-        from symosc.engine.code_cache import keep_on_disk
-    except ImportError:
-        raise MissingExtraError("compiling", "fast") from None
-    modules = tuple(modules)
-    replaced = replaced or {}
-    seen = bind(modules, {})
-    written = functions_of(modules)
-    if outlined is None:
-        inlined = set()
-    else:
-        inlined = set(written) - set(outlined)
-    called = {name: value for name, value in (callees or {}).items() if hasattr(value, "py_func")}
-    called = {
-        name: value for name, value in called.items() if name in seen or hasattr(builtins, name)
-    }
-    # The version changes with anything that the functions are compiled from.
-    values = seen | {name: repr(value) for name, value in replaced.items()}
-    numbers = sorted(
-        (name, repr(value)) for name, value in values.items() if isinstance(value, CONSTANTS)
-    )
-    others = sorted(
-        (name, each.py_func.__module__, each.py_func.__qualname__) for name, each in called.items()
-    )
-    digest = hashlib.sha256(repr((numbers, others, sorted(inlined))).encode())
-    beside = *beside, *(sys.modules[name] for name in sorted({module for _, module, _ in others}))
-    for module in (sys.modules[__name__], *modules, *beside):
-        digest.update(inspect.getsource(module).encode())
-    version = digest.hexdigest()[:12]
-
-    def wrap(function: Any) -> Any:
-        # numba's disk cache sees changes in the function's own file only. The name of the entry
-        # says the rest.
-        function.__qualname__ = f"{function.__name__}-{version}"
-        # Inlined functions are called by compiled code only and need no wrappers for Python and C.
-        # Each function sets all three options: without them it would take forceinline from the
-        # function that calls it first.
-        inline = function.__name__ in inlined
-        options: dict[str, Any] = {
-            "forceinline": inline,
-            "no_cpython_wrapper": inline,
-            "no_cfunc_wrapper": inline,
-        }
-        return keep_on_disk(numba.njit(error_model="numpy", nogil=True, **options)(function))
-
-    return bind(modules, called | replaced, wrap, literal)
-
-
-def is_compiled(function: Any) -> bool:
-    """Return whether the compiled code of a function of `compile_modules` is in memory or on disk."""
-    if not hasattr(function, "py_func") or function.overloads:
-        return True
-    folder = function.stats.cache_path
-    name = function.py_func.__qualname__
-    if folder is None:  # nothing is kept on disk
-        return False
-    there, when = _ON_DISK.get((folder, name), (False, -SEARCH_AGAIN))
-    if not there and monotonic() - when >= SEARCH_AGAIN:
-        there = any(Path(folder).glob(f"*.{escape(name)}-*.nbi"))
-        _ON_DISK[folder, name] = there, monotonic()
-    return there
-
-
-_ON_DISK: dict[tuple[str, str], tuple[bool, float]] = {}
+# --- numbers in tuples ---
 
 
 def converted(value: Any, number: Callable[[Any], Any]) -> Any:
@@ -257,10 +77,10 @@ def interpreted(function: Callable[..., Any]) -> Callable[..., Any]:
     `ROW`).
     """
 
-    def readable(given: Any) -> Any:
-        if getattr(given, "dtype", None) == ROW:
-            return ConstantRows(given)
-        return given
+    def readable(argument: Any) -> Any:
+        if getattr(argument, "dtype", None) == ROW:
+            return ConstantRows(argument)
+        return argument
 
     return lambda *arguments: function(*converted(arguments, readable))
 
@@ -319,8 +139,8 @@ class Arithmetic:
         """Return the NextEvent after `state`: the next event up to t_end + t_end_low, or why there
         is none yet.
         """
-        found: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
-        return found
+        event: NextEvent = next_event.advance(state, t_end, t_end_low, self.K)
+        return event
 
 
 @lru_cache(maxsize=1024)
@@ -368,7 +188,9 @@ def compiled(width: int = 0) -> dict[str, Any]:
     replaced["load_motion"] = lanes_of(Followed, TUPLES_IN_FOLLOWED)
     replaced["load_constants"] = lanes_of(Constants, NESTED, flags)
     modules = *SOURCES, *IN_DOUBLES_ONLY
-    functions = compile_modules(modules, OUTLINED.split(), callees, replaced, beside=(lane_types,))
+    functions = compile_modules(
+        modules, outlined_in(modules), callees, replaced, beside=(lane_types,)
+    )
     return functions | {"follow_all": functions["follow_lanes" if usual else "follow_all"]}
 
 
@@ -391,11 +213,10 @@ def compiled_tangents() -> dict[str, Any]:
 
     Raise MissingExtraError without numba.
     """
-    outlined = {"tangents", "changes_at", "divided_difference", "difference_by_series", "repeated"}
-    callees = {
-        name: function for name, function in compiled().items() if name != "exp"
-    }  # theirs is of complex numbers
-    return compile_modules((mapping, tangent), outlined, callees)
+    modules = mapping, tangent
+    callees = dict(compiled())
+    del callees["exp"]  # that of `mapping` is of complex numbers
+    return compile_modules(modules, outlined_in(modules), callees)
 
 
 # --- columns ---
@@ -522,9 +343,9 @@ class MpArithmetic(Arithmetic):
         is none yet.
         """
         with self.precision():
-            given = self.inward((state, t_end, t_end_low))
-            found: NextEvent = self.outward(self.following["advance"](*given, self.inner_K))
-            return found
+            arguments = self.inward((state, t_end, t_end_low))
+            event: NextEvent = self.outward(self.following["advance"](*arguments, self.inner_K))
+            return event
 
     def inward(self, value: Any) -> Any:
         """Convert an mpmath number, or all in a tuple, to the numbers that the event loop computes
@@ -543,8 +364,8 @@ class MpArithmetic(Arithmetic):
         """The constants K as the numbers that the event loop computes with (MPFR's if gmpy2 is
         installed).
         """
-        found: Constants = self.inward(self.K)
-        return found
+        K: Constants = self.inward(self.K)
+        return K
 
     def outward(self, value: Any, context: Any = None) -> Any:
         """Convert a number, or all in a tuple, to mpmath numbers of `context` (None: this
@@ -670,7 +491,7 @@ def interpreted_pairs() -> PairLoops:
 
     bound = bind((pairs,), {"pair": pairs.pair_of})
     replaced = _pair_constants() | {
-        name: bound[each.__name__] for name, each in pairs.FUNCTIONS.items()
+        name: bound[own.__name__] for name, own in pairs.FUNCTIONS.items()
     }
     replaced |= {"float": number, "int": whole, "two_product": product_and_zero}
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}

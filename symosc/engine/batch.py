@@ -1,5 +1,7 @@
 """Many trajectories in one loop, in doubles and in double-double numbers; events go into columns.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 These are the loops that `simulate_many` compiles. `follow_pairs` and `first_pairs` are bound to
 pairs; what they hand out are doubles, whose only error is their rounding unless that of the pairs
 is not negligible beside it.
@@ -44,6 +46,7 @@ from symosc.engine.summary import finish_tally, tally_step
 from symosc.kernels._generated import acceleration
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS
+from symosc.kernels.rebind import outlined
 
 # Steps that doubles look ahead for an undecided event, at most.
 LOOK_AHEAD = 16
@@ -154,7 +157,7 @@ def joined(parts: Iterable[EventRows]) -> EventRows:
     rows = list(parts) or [event_buffer(0)]
     if len(rows) == 1:
         return rows[0]
-    return EventRows(*(np.concatenate(each, axis=1) for each in zip(*rows, strict=True)))
+    return EventRows(*(np.concatenate(columns, axis=1) for columns in zip(*rows, strict=True)))
 
 
 def piece_buffer(pieces: int) -> np.ndarray:
@@ -232,6 +235,7 @@ def keep_state(row, state):
 # --- doubles ---
 
 
+@outlined
 def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     """Follow the trajectories of `batch` from number `begin` on, until all have ended or a buffer
     is full.
@@ -242,9 +246,11 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     #   begin : first trajectory to follow; it may have been begun before.
     #   batch : Batch, updated.
     #   most : events after which a trajectory is FULL.
-    #   accuracy : it ends as INEXACT at the first event known to less, relative to max(1, |value|, |t0| for t).
+    #   accuracy : it ends as INEXACT at the first event known to less, relative to max(1, |value|,
+    #     |t0| for t).
     #   out : EventRows
-    #   pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where m is 0.
+    #   pieces : (PIECE_COLUMNS, m) buffer of the pieces that steps lead to; none are recorded where
+    #     m is 0.
     #   tally : Tally, updated; events are recorded where it is for no motion, else only counted.
     #   table : constants of the parameter sets, as `symosc.engine.flow` makes them.
     rows = 0
@@ -258,6 +264,7 @@ def follow_all(begin, batch, most, accuracy, out, pieces, tally, table):
     return batch.states.shape[0], rows, parts
 
 
+@outlined
 def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, table):
     """Follow trajectory `i` to its end or a full buffer, or one step if `once`.
 
@@ -278,8 +285,8 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
             break
         if rows >= out.floats.shape[1] or (recorded and parts >= pieces.shape[1]):
             break
-        found = advance(before, t_end, t_end_low, K)
-        step, _, decided, t_error, state = found
+        event = advance(before, t_end, t_end_low, K)
+        step, _, decided, t_error, state = event
         if not decided or step == FAILED:
             code = UNDECIDED
         elif step <= GRAZE:
@@ -289,13 +296,13 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
             if is_inexact(clock[0], clock[1], state.x, clock[2], t0, accuracy):
                 code = INEXACT
             if not tallied:
-                write_event(out, rows, i, before, found, clock, K)
+                write_event(out, rows, i, before, event, clock, K)
             rows += 1
             counts[i] += 1
         elif step != MOVED:
             code = step
         if tallied and code not in NEEDS_DIGITS and code != REST:
-            tally_step(i, before, found, t0, tally, K)
+            tally_step(i, before, event, t0, tally, K)
         if recorded and code == RUNNING:
             write_piece(pieces, parts, state, clock_time(state.t - t0, state.t_low, 0.0, K))
             parts += 1
@@ -326,6 +333,7 @@ def end_by_phase(row, K):
     return t_end, float(row.t_end_low) - (t_end - t0) * K.Om_gain, t0
 
 
+@outlined
 def searched(state, row, K):
     """Find the next event after `state`, up to the end time in the batch row `row`.
 
@@ -335,6 +343,7 @@ def searched(state, row, K):
     return advance(state, t_end, t_end_low, K)
 
 
+@outlined
 def search_row(states, table):
     """Move the state in row 0 on to its next event.
 
@@ -342,26 +351,27 @@ def search_row(states, table):
     """
     before = state_of(states[0])
     K = table[0]
-    found = searched(before, states[0], K)
-    keep_state(states[0], found.state)
+    event = searched(before, states[0], K)
+    keep_state(states[0], event.state)
     return (
-        found.code,
-        found.boundary,
-        found.decided,
-        found.t_error,
-        open_free_time(found, before, K),
+        event.code,
+        event.boundary,
+        event.decided,
+        event.t_error,
+        open_free_time(event, before, K),
     )
 
 
-def open_free_time(found, state, K):
-    """Return how long the flight from `state` surely meets no wall if its contact `found` is
+def open_free_time(event, state, K):
+    """Return how long the flight from `state` surely meets no wall if its contact `event` is
     undecided, else 0.
     """
-    if found.boundary > 0 and not found.decided:
+    if event.boundary > 0 and not event.decided:
         return free_time(state, K)
     return 0.0
 
 
+@outlined
 def doubt_row(states, count, most, accuracy, table):
     """Return what `next_undecided` does for the state in row 0 of `states` and constants in row 0
     of `table`.
@@ -369,6 +379,7 @@ def doubt_row(states, count, most, accuracy, table):
     return next_undecided(state_of(states[0]), count, states[0], most, accuracy, table[0])
 
 
+@outlined
 def next_undecided(state, count, row, most, accuracy, K):
     """Look up to 16 steps ahead of `state`.
 
@@ -395,13 +406,13 @@ def next_undecided(state, count, row, most, accuracy, K):
     return 0
 
 
-def write_event(out, row, i, before, found, clock, K):
-    """Write the event `found` of trajectory `i` into column `row` of `out`.
+def write_event(out, row, i, before, event, clock, K):
+    """Write an event of trajectory `i` into column `row` of `out`.
 
     `clock` is (t, t_error, x_error).
     """
-    numbers = event_numbers(before, found, clock, K)
-    codes = event_codes(before, found)
+    numbers = event_numbers(before, event, clock, K)
+    codes = event_codes(before, event)
     for n in range(len(numbers)):
         out.floats[n, row] = numbers[n]
     out.ints[0, row] = i
@@ -413,16 +424,13 @@ def write_piece(pieces, row, state, elapsed):
     """Write a motion's piece that begins at `state`, a time `elapsed` after t0, into column `row`
     of `pieces`.
     """
-    pieces[0, row] = state.n
-    pieces[1, row] = state.theta
-    pieces[2, row] = state.mode
-    pieces[3, row] = state.x
-    pieces[4, row] = state.v
     if state.mode <= ON_BELT:
-        pieces[5, row] = state.Fb
+        a = state.Fb
     else:
-        pieces[5, row] = 0.0
-    pieces[6, row] = elapsed
+        a = 0.0
+    numbers = float(state.n), state.theta, float(state.mode), state.x, state.v, a, elapsed
+    for n in range(len(numbers)):
+        pieces[n, row] = numbers[n]
 
 
 # --- double-double numbers, where doubles cannot decide ---
@@ -484,14 +492,16 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or
     has ended.
     """
-    # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles could soon not
-    # decide again is followed farther, as long as the buffer holds its events.
+    # Doubles search for each event as far as they are sure (`advance_near`). A motion that doubles
+    # could soon not decide again is followed farther, as long as the buffer holds its events.
     #   chosen : (m,) numbers of the trajectories to follow, in order.
-    #   wanted : (n,) number of events to reach, with those so far; updated for a motion that has filled `pieces`.
+    #   wanted : (n,) number of events to reach, with those so far; updated for a motion that has
+    #     filled `pieces`.
     #   pairs : (n,) array of PAIR_ROW, updated: states in pairs.
-    #   batch : Batch, updated: the states in doubles, with their rounding as their error; the events so far; RUNNING,
-    #     END, REST, or UNDECIDED before a contact that pairs cannot decide, or an event that they know worse than
-    #     `limits.noise` says: the states are the last ones that they are sure of.
+    #   batch : Batch, updated: the states in doubles, with their rounding as their error; the
+    #     events so far; RUNNING, END, REST, or UNDECIDED before a contact that pairs cannot decide,
+    #     or an event that they know worse than `limits.noise` says: the states are the last ones
+    #     that they are sure of.
     #   out : EventRows that hold all events to come.
     #   pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
     #   K : Constants of complex numbers.
@@ -522,20 +532,20 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                     break
             rough = searched_in_doubles(rounded, states[i], careful)
             free = open_free_time_in_doubles(rough, rounded, careful)
-            found = advance_near(state, rounded, rough, free, t_end, t_end_low, K)
-            step = found.code
-            then = in_doubles(found.state, t0, plain)
-            plainly = NextEvent(step, found.boundary, True, found.t_error.hi, then)
-            if step == FAILED or not found.decided:
+            event = advance_near(state, rounded, rough, free, t_end, t_end_low, K)
+            step = event.code
+            then = in_doubles(event.state, t0, plain)
+            plainly = NextEvent(step, event.boundary, True, event.t_error.hi, then)
+            if step == FAILED or not event.decided:
                 code = UNDECIDED
                 break
             if step <= GRAZE:
-                S11 = found.state.S.S11
-                t = found.state.t
-                t_low = found.state.t_low
-                x = found.state.x
+                S11 = event.state.S.S11
+                t = event.state.t
+                t_low = event.state.t_low
+                x = event.state.x
                 t, t_error, x_error = time_with_errors(
-                    t, t_low, t0, x, found.state.v, found.t_error, S11, K
+                    t, t_low, t0, x, event.state.v, event.t_error, S11, K
                 )
                 if not (
                     is_below(limits.noise, t_error.hi, t.hi)
@@ -552,7 +562,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                 code = step
             if tallied and code != REST:
                 tally_step(i, rounded, plainly, t0.hi, tally, plain)
-            state = found.state
+            state = event.state
             rounded = then
             if recorded and code == RUNNING:
                 elapsed = ((state.t - t0.hi) + state.t_low).hi

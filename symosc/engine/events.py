@@ -1,5 +1,7 @@
 """The recorded fields of an event: one schema for tables, files and the command line.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 `Event` names the fields with their types, `event_numbers` and `event_codes` compute them. Nothing
 else lists them.
 """
@@ -58,37 +60,37 @@ class Event:
     x_error: float
 
 
-def event_numbers(before, found, clock, K):
-    """Return t, x, v, theta, t_error, x_error of the event `found`, a NextEvent.
+def event_numbers(before, event, clock, K):
+    """Return t, x, v, theta, t_error, x_error of an event, a NextEvent.
 
     `clock` is (t, t_error, x_error).
     """
     # From the state before the search, the NextEvent found, and (t, t_error, x_error) of
     # `time_with_errors`.
-    state = found.state
+    state = event.state
     t, t_error, x_error = clock
     return t, state.x, state.v, state.theta, t_error, x_error
 
 
-def event_codes(before, found):
+def event_codes(before, event):
     """Return kind, boundary, source and target of an event as codes, from the state before and the
     NextEvent found.
     """
-    return found.code, found.boundary, before.mode, found.state.mode
+    return event.code, event.boundary, before.mode, event.state.mode
 
 
-EVENT_COLUMNS = tuple(each.name for each in fields(Event))
+EVENT_COLUMNS = tuple(entry.name for entry in fields(Event))
 #: Fields with the digits that are asked for, fields that are numbers, and fields that are codes.
-EXACT_COLUMNS = tuple(each.name for each in fields(Event) if each.type == "Number")
-FLOAT_COLUMNS = tuple(each.name for each in fields(Event) if each.type in ("Number", "float"))
-CODE_COLUMNS = tuple(each.name for each in fields(Event) if each.type in ("int", "str"))
+EXACT_COLUMNS = tuple(entry.name for entry in fields(Event) if entry.type == "Number")
+FLOAT_COLUMNS = tuple(entry.name for entry in fields(Event) if entry.type in ("Number", "float"))
+CODE_COLUMNS = tuple(entry.name for entry in fields(Event) if entry.type in ("int", "str"))
 #: Names by code of the fields that have some.
 CODE_NAMES: dict[str, dict[int, str]] = {
-    each.name: each.metadata["names"] for each in fields(Event) if each.metadata
+    entry.name: entry.metadata["names"] for entry in fields(Event) if entry.metadata
 }
 #: Type of each field in a table of doubles.
 COLUMN_TYPES = {
-    each.name: {"int": int, "str": str}.get(str(each.type), float) for each in fields(Event)
+    entry.name: {"int": int, "str": str}.get(str(entry.type), float) for entry in fields(Event)
 }
 
 

@@ -1,5 +1,7 @@
 """The first exit from a domain or a belt.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 In real arithmetic no crossing is missed, however near to a graze.
 
 Flights. In a domain the gap g = +-(v - v_lambda) between the velocity and a wall is smooth. At a
@@ -37,7 +39,8 @@ by the value at its end.
 
 The bound and the steps are a proof in real arithmetic, derived in the chapter on events. Evaluated
 with rounding, decisions must exceed ROUNDING errors, and marching steps MARCH_SLACK of the size of
-the gap; we have measured, not proved, that these margins suffice in double precision.
+the gap; we have measured, not proved, that these margins suffice in double precision
+(tests/simulation/test_fuzz.py compares random scenes with an independent search).
 
 Arguments that many functions share: `start` is the Launch of a flight, with velocity `v0`; `now`
 and `there` are points of it (`Flown`), `tau` a time since the launch, and `tau_max` the end of the
@@ -73,45 +76,57 @@ from symosc.engine.state import (
 from symosc.kernels._generated import next_derivative, stick_acceleration
 from symosc.kernels.elementary import cos, select, sin
 from symosc.kernels.entire import EPS, SIXTH
+from symosc.kernels.rebind import outlined
 
 PI = acos(-1.0)
-# What a decision must exceed, in units of EPS times the sum of the sizes of the terms (errors
-# measured: at most 6).
+# What a decision must exceed, in units of EPS times the sum of the sizes of the terms. Gaps are
+# wrong by at most 6 such units (measured by test_gaps_are_wrong_by_few_roundings).
 ROUNDING = 64.0
-# A root is taken from the local polynomial when that is sure to place it within ISOLATED / rate,
-# and Newton's method goes on from there. A shift below NEAR / rate is made by Taylor's formula, to
-# full precision.
+# A root is taken from the local polynomial when that is sure to place it within ISOLATED / rate:
+# one step of Halley's method (`sharpened`) leaves the cube of that, 2e-4, which is below NEAR.
 ISOLATED = 6e-2
+# A shift below NEAR / rate is made by Taylor's formula: what that leaves out, NEAR^5/720 of the
+# first term, is below EPS.
 NEAR = 2.0 * EPS**0.2
 FAR = 1e300  # larger than any root
-SHRINK = 1e-3  # how far a safe step stays before the root that it aims at, as a part of the step
+# How far a safe step stays before the root that it aims at, as a part of the step: more than what
+# Halley's method leaves (FIRM^3).
+SHRINK = 1e-3
 # A root of P is taken as found when Halley's last step was shorter than this part of it: the next
 # would be its cube.
 FIRM = 1e-2
-# A root after which the gap gets deeper than this part of its size is no touch.
+# A root after which the gap gets deeper than this part of its size is no touch: 1e-9 is some
+# million roundings.
 DEEP = 1e-9
-MARCH_SLACK = 1e-10  # what a gap must exceed while marching, as a part of its size
-# A gap of so many times what a stride needs (its fourth power counts) allows a step of 50 strides.
+# What a gap must exceed while marching, as a part of its size: a million roundings, where each step
+# adds a few.
+MARCH_SLACK = 1e-10
+# A gap of so many times what a stride needs, about 50^4, allows a step of 50 strides: the bound
+# grows with the fourth power.
 WIDE_GAP = 6e6
-SHORT_STEP = 4e-3  # steps shorter than this, times 1/rate, are a sign of a tangency ahead
-# A gap smaller than THIN of the velocities in question is compared with its error. An error of the
-# start that is smaller than THIN times the root of FAINT of the velocities is rounding.
+# Steps shorter than this, times 1/rate, are a sign of a tangency ahead. The value decides about the
+# time only: no step passes a contact.
+SHORT_STEP = 4e-3
+# A gap smaller than THIN of the velocities in question, some million roundings, is compared with
+# its error. An error of the start that is smaller than THIN times the root of FAINT of the
+# velocities, a thousand roundings, is rounding.
 THIN = 1e-9
 FAINT = 1e-8
-# a gap within its error that leaves it within this time, times 1/rate, is on its way through 0
+# A gap within its error that leaves it within this time, times 1/rate, is on its way through 0.
 SOON = 1e-2
-SAME_PHASE = 64.0  # phases closer than this times EPS are one
+SAME_PHASE = 64.0  # phases closer than this times EPS are one, as in ROUNDING
+# Limits of loops that come to their end by themselves, unless a number is NaN.
 MOST_STEPS = 20000
 MOST_STICK_STEPS = 20000
 MOST_NEWTON = 200
 MOST_DESCENTS = 400
 MOST_HALVINGS = 400
-MOST_EVEN = (
-    12  # steps towards a minimum that do not get shorter: the gap dies away, without a minimum
-)
+# Steps towards a minimum that do not get shorter: the gap dies away, without a minimum.
+MOST_EVEN = 12
 MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
-# Short steps on which no minimum of the gap was found ahead, before the search is given up: beside
-# a gap that has 1e-30 of its usual size, and hardly bends, it takes a hundred to get away.
+# Short steps on which no minimum of the gap was found ahead, before the search is given up. Beside
+# a gap that has 1e-30 of its usual size, and hardly bends, it takes a hundred to get away
+# (test_a_near_miss_beside_which_the_gap_hardly_bends_is_decided).
 MOST_STALLS = 150
 
 
@@ -160,7 +175,7 @@ def safe_step(cap, P):
     if p0 <= 0.0:
         return 0.0 * cap, cap
     root = cap
-    found = False
+    is_firm = False
     square = p1 * p1 - 4.0 * p0 * p2
     if square > 0.0 and (p1 < 0.0 or p2 < 0.0):
         denominator = sqrt(square) - p1
@@ -180,17 +195,17 @@ def safe_step(cap, P):
         if root >= cap:
             root = cap
             break
-        found = abs(shift) < FIRM * root
-        if found:
+        is_firm = abs(shift) < FIRM * root
+        if is_firm:
             break
-    if found:
+    if is_firm:
         s = root - SHRINK * root
     else:
         s = root
     while s > 0.0 and not positive_on(s, P):
         s = 0.5 * s
-        found = False
-    return s, root if found else cap
+        is_firm = False
+    return s, root if is_firm else cap
 
 
 def gap_to(side, now, walls):
@@ -277,6 +292,7 @@ def root_by_series(over, F, G1, G2, G3):
     return -linear * ((1.0 + B) + (2.0 * B * B - W)), abs(linear) * missing
 
 
+@outlined
 def newton_root(s, over, F, G1, G2, G3, resolution):
     """Find the root near `s` of over + F s + G1 s^2/2 + ...
 
@@ -335,7 +351,7 @@ def march(tau_max, v0, now, walls, margin, K):
     since = now.tau
     stride = K.stride.step
     wide = WIDE_GAP * 0.25 * SIXTH * (stride * stride) * (stride * stride)
-    long = gaps_exceed(0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls)
+    long = seems_free(stride, now, walls)
     while True:
         if long:
             M = K.stride
@@ -354,32 +370,40 @@ def march(tau_max, v0, now, walls, margin, K):
             now = there
             v_free = v_next
             F_free = F_next
-            long = gaps_exceed(
-                0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls
-            )  # a guess, no proof
+            long = seems_free(stride, now, walls)
             if not K.slow_drive:
                 continue
         elif not long and (since == now.tau or not gaps_exceed(0.0, there.dv, walls)):
             now = with_derivatives(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-            if free_above and meets_once(-1, now, there, M4, slack, walls):
-                side = -1
-            else:
-                side = 0
-            if free_below and meets_once(1, now, there, M4, slack, walls):
-                side = 1
+            side = wall_met(now, there, free_below, free_above, M4, slack, walls)
             return Marched(now, M4, side, there)
         else:
             long = False
-        if (
-            since < now.tau
-        ):  # the bound never grows: until here one of an earlier time was good enough
+        if since < now.tau:
+            # The bound never grows: until here one of an earlier time was good enough.
             since = now.tau
             now = with_derivatives(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         # with the free motion gone, steps of their own length go farther
         if K.slow_drive and gaps_exceed(wide * M4, now.dv, walls):
             return Marched(now, M4, 0, now)
+
+
+def seems_free(stride, now, walls):
+    """Return whether the gaps look open after a `stride` from point `now`: a guess, no proof."""
+    return gaps_exceed(0.0, now.dv + (now.F + 0.5 * now.G1 * stride) * stride, walls)
+
+
+def wall_met(now, there, free_below, free_above, M4, slack, walls):
+    """Return the side of the wall that a step from `now` to `there` surely meets once, and none
+    before; 0 if that is not sure.
+    """
+    if free_below and meets_once(1, now, there, M4, slack, walls):
+        return 1
+    if free_above and meets_once(-1, now, there, M4, slack, walls):
+        return -1
+    return 0
 
 
 def free_motion(v0, now, walls, margin, K):
@@ -405,7 +429,8 @@ def marched(v_free, F_free, v0, now, M, K):
     """
     v_next = M.C * v_free + M.E1 * F_free
     F_next = M.D * v_free + M.E0 * F_free
-    s, c = M.c * now.s + M.s * now.c, M.c * now.c - M.s * now.s
+    s = M.c * now.s + M.s * now.c
+    c = M.c * now.c - M.s * now.s
     dv = v_next + (K.Ss * s + K.Sc * c) - v0
     F = F_next + K.Om * (K.Ss * c - K.Sc * s)
     G1 = next_derivative(F, v0 + dv, K.fB * s, K.cm, K.w0sq)
@@ -513,6 +538,7 @@ def meets_once(side, now, there, M4, slack, walls):
 # --- grazes: the minimum of a gap near a tangency, and how far a gap may be wrong there ---
 
 
+@outlined
 def tolerance(side, now, start, walls, S, K):
     """Return how far the gap on `side` may be wrong at point `now`, by rounding and the covariance
     `S` at launch.
@@ -531,6 +557,7 @@ def tolerance(side, now, start, walls, S, K):
     return ROUNDING * EPS * size + K.sigmas * sqrt(abs(variance))
 
 
+@outlined
 def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     """Find the next minimum of the gap on `side` near `tau`; return a code, and its time.
 
@@ -582,6 +609,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     return LOST, tau
 
 
+@outlined
 def gap_reopens(tau, side, start, walls, S, K):
     """Return whether a gap that is 0 within its error at `tau` is clearly not 0 soon after: the
     contact is a touch.
@@ -593,6 +621,7 @@ def gap_reopens(tau, side, start, walls, S, K):
     return False
 
 
+@outlined
 def gap_stays_zero(tau, side, start, walls, S, K):
     """Return whether a gap is 0 within its error at `tau`, and so slow that it stays so for
     0.01/`K.rate`.
@@ -681,6 +710,7 @@ def search_begin(tau_max, start, walls, S, K):
     return now, flat, thin, margin
 
 
+@outlined
 def behind_flat_start(tau_max, G2, G3, start, K):
     """Return the point of a flight up to which a gap that grows like tau^4 from 0 surely has no
     other root.
@@ -708,15 +738,16 @@ def behind_flat_start(tau_max, G2, G3, start, K):
     return state_at(tau if tau < tau_max else tau_max, start, K)
 
 
+@outlined
 def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
     """Find the first contact after `now` by steps that surely meet no wall, given what
     `search_begin` returns.
     """
-    # what was found, where, and in which bracket
-    high = now.tau
-    low = now.tau
-    tau = now.tau
+    # the end that was found: its code, its time, and the bracket around it
     code = STALLED
+    tau = now.tau
+    low = now.tau
+    high = now.tau
     # the side on which the gap is known to be negative, and where
     crossing = 0
     tau_deep = now.tau
@@ -729,21 +760,15 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
             else:
                 code = NOTHING
             break
-        cap = tau_max - now.tau
-        if not K.steady and cap * K.Om > 1.0:
-            cap = 1.0 / K.Om
+        cap = longest_step(tau_max - now.tau, K)
         side, step, root, P, degree = nearest_root(cap, now, M4, margin, walls)
         if side < 0:
             start_gap = walls.below
         else:
             start_gap = walls.above
         known = crossing == side
-        near = False
-        close = False
-        deep = True
-        if root < cap:
-            size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / DEEP)
-            near, close, deep = is_near(root, P, degree, M4, size, K)
+        size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / DEEP)
+        near, close, deep = root_ahead(root, cap, P, degree, M4, size, K)
         if near and (deep or known):
             low = now.tau
             if known:
@@ -758,19 +783,18 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         beside = margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
         if (short or not deep or beside) and not known and (now.tau > 0.0 or start_gap > 0.0):
             verdict, tau = graze_ahead(now, side, step, M4, start, walls, S, K)
-            if verdict == TANGENCY or (verdict == LOST and tau <= tau_max):
-                if verdict == TANGENCY:
-                    code = TANGENCY
-                else:
-                    code = STALLED
+            if verdict == TANGENCY:
+                code = TANGENCY
+                break
+            if verdict == LOST and tau <= tau_max:
+                code = STALLED
                 break
             if verdict == HIT:
                 crossing = side
                 tau_deep = tau
             elif verdict == NOTHING:
-                if tau - now.tau < cap:
-                    step = tau - now.tau
-                else:
+                step = tau - now.tau
+                if step >= cap:
                     step = cap
             elif short:
                 stalled = stalled + 1
@@ -779,35 +803,60 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         low = now.tau
         now = state_at(low + step if step < tau_max - low else tau_max, start, K)
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-        if walls.has_below and walls.below + now.dv <= 0.0:
-            behind = -1
-        else:
-            behind = 0
-        if behind == 0 and walls.has_above and walls.above - now.dv <= 0.0:
-            behind = 1
+        behind = wall_behind(now, walls)
         if behind != 0:
-            # By rounding, the bound has no root there: a root within rounding, or a touch.
             side = behind
             high = now.tau
-            code = HIT
-            tau = high
-            if crossing != side:
-                verdict, tau_min = closest_approach(high, low, side, M4, start, walls, S, K)
-                if verdict == TANGENCY:
-                    code = TANGENCY
-                    tau = tau_min
-                else:
-                    if verdict == LOST:
-                        code = STALLED
-                    else:
-                        code = HIT
-                    tau = high
+            if crossing == side:
+                code = HIT
+                tau = high
+            else:
+                code, tau = contact_by_rounding(high, low, side, M4, start, walls, S, K)
             break
     if code == TANGENCY:
         return FlightEnd(TANGENCY, side, state_at(tau, start, K))
     if code == HIT:
         return polish(tau, low, high, side, start, walls, K)
     return FlightEnd(code, side, now)
+
+
+def longest_step(rest, K):
+    """Return how far one step may go if the search ends after the time `rest`: as far as the bound
+    of the fourth derivative holds.
+    """
+    if not K.steady and rest * K.Om > 1.0:
+        return 1.0 / K.Om
+    return rest
+
+
+def root_ahead(root, cap, P, degree, M4, size, K):
+    """Return what `is_near` does for the `root` of a gap's bound `P`, if that is before `cap`; else
+    that there is none near, and no touch.
+    """
+    if root < cap:
+        return is_near(root, P, degree, M4, size, K)
+    return False, False, True
+
+
+def wall_behind(now, walls):
+    """Return the side (-1, 1) of a wall that the flight is on or beyond at point `now`, else 0."""
+    if walls.has_below and walls.below + now.dv <= 0.0:
+        return -1
+    if walls.has_above and walls.above - now.dv <= 0.0:
+        return 1
+    return 0
+
+
+def contact_by_rounding(high, low, side, M4, start, walls, S, K):
+    """Return code and time of a contact at or before `high`, which a step met whose bound has no
+    root: a root within rounding, or a touch.
+    """
+    verdict, tau = closest_approach(high, low, side, M4, start, walls, S, K)
+    if verdict == TANGENCY:
+        return TANGENCY, tau
+    if verdict == LOST:
+        return STALLED, high
+    return HIT, high
 
 
 def nearest_root(cap, now, M4, margin, walls):
@@ -825,9 +874,9 @@ def nearest_root(cap, now, M4, margin, walls):
     ):  # the upper wall counts only if the lower one's step is too long for it
         Q, degree_above = gap_bound(1, now, M4, margin, walls)
         if not positive_on(root if root < cap else step, Q):
-            other, other_root = safe_step(cap, Q)
-            if other < step:
-                return 1, other, (cap if step < other_root else other_root), Q, degree_above
+            step_above, root_above = safe_step(cap, Q)
+            if step_above < step:
+                return 1, step_above, (cap if step < root_above else root_above), Q, degree_above
             root = cap
     return side, step, root, P, degree
 
@@ -1059,26 +1108,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
     # Delta, s and c are those at `low`. Steps to the root of the local parabola (Euler's method,
     # which needs no slope), corrected for the third derivative, and `local_root` from nearby.
     # Halving when a step leaves the bracket or the steps do not shrink.
-    tau = low
-    over = force + Delta
-    # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, begins
-    # nearer to the root.
-    if side * K.fB < 0.0:
-        sine = 1.0
-    else:
-        sine = -1.0
-    inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
-    if K.driven and low < inflection < high:
-        there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
-        if abs(there) < abs(over):
-            tau = inflection
-            over = there
-            s = sine + 0.0 * c
-            c = 0.0 * c
-        if side * there > 0.0:
-            high = inflection
-        else:
-            low = inflection
+    tau, over, s, c, low, high = exit_begin(force, side, low, high, Delta, s, c, held, belt, K)
     slope, bend = force_slopes(s, c, belt, K)
     Om2 = K.Om * K.Om
     slack = 4.0 * EPS * high
@@ -1093,18 +1123,7 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
                 step = local_root(over, slope, bend, third, -Om2 * bend, EPS * tau)
                 if abs(step) * K.beat < NEAR and low - slack <= tau + step <= high + slack:
                     return slips_at(tau, step, side, -force, s, c, belt, K)
-        square = slope * slope - 2.0 * over * bend
-        if square > 0.0:
-            steepness = side * slope + sqrt(square)
-        else:
-            steepness = 0.0 * square
-        if steepness > 0.0:
-            step = -2.0 * over * side / steepness
-        else:
-            step = high - low
-        incline = slope + (bend + 0.5 * third * step) * step
-        if steepness > 0.0 and side * incline > 0.0:
-            step = step - SIXTH * third * step * step * step / incline
+        step = parabola_step(over, slope, bend, third, side, high - low)
         if tau + step >= high or tau + step <= low or 2.0 * abs(step) > step_before:
             step = 0.5 * (low + high) - tau
         if exact:
@@ -1121,6 +1140,45 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
         else:
             low = tau
     return StickEnd(STALLED, side, tau, -force, slope, bend, s, c)
+
+
+def exit_begin(force, side, low, high, Delta, s, c, held, belt, K):
+    """Return where to begin the search for the end of a stick: time, distance of the force from 0,
+    sine and cosine, and the bracket.
+    """
+    # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, is often
+    # nearer to the root. Lanes call this too, so it has no branch.
+    over = force + Delta
+    sine = select(side * K.fB < 0.0, 1.0, -1.0)
+    inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
+    between = (K.driven != 0) & (low < inflection) & (inflection < high)
+    there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
+    better = between & (abs(there) < abs(over))
+    tau = select(better, inflection, low)
+    over = select(better, there, over)
+    s = select(better, sine + 0.0 * c, s)
+    c = select(better, 0.0 * c, c)
+    beyond = side * there > 0.0
+    new_low = select(beyond, low, inflection)
+    new_high = select(beyond, inflection, high)
+    return tau, over, s, c, select(between, new_low, low), select(between, new_high, high)
+
+
+def parabola_step(over, slope, bend, third, side, width):
+    """Return the step to the root of the parabola through `over` with `slope` and `bend`, corrected
+    for the `third` derivative; `width` if it has none on this side.
+    """
+    # Lanes call this too, so it has no branch; FAR stands where there is nothing to divide by.
+    square = slope * slope - 2.0 * over * bend
+    is_real = square > 0.0
+    root = sqrt(select(is_real, square, 0.0 * square))
+    steepness = select(is_real, side * slope + root, 0.0 * square)
+    is_ahead = steepness > 0.0
+    step = select(is_ahead, -2.0 * over * side / select(is_ahead, steepness, FAR), width)
+    incline = slope + (bend + 0.5 * third * step) * step
+    is_steep = is_ahead & (side * incline > 0.0)
+    correction = SIXTH * third * step * step * step / select(is_steep, incline, FAR)
+    return select(is_steep, step - correction, step)
 
 
 def is_beside(over, slope, bend, K):

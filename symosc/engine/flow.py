@@ -1,6 +1,8 @@
 """Motion within one domain, and on a belt: the constants of parameter sets and the evaluation of
 the flow.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0
 and acceleration F0; the displacement dx, the gain in velocity dv and the acceleration F after a
 time tau are the kernel `motion` of the entire functions at tau. Gains are returned rather than
@@ -33,6 +35,7 @@ from symosc.kernels.pair_columns import (
     larger,
     sign,
 )
+from symosc.kernels.rebind import outlined
 from symosc.model import OtherNumbers, Parameters
 
 # Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1|
@@ -227,6 +230,12 @@ def constants(
     fades = either(slow < 0, LONGEST_PHASE / either(slow < 0, -slow, 1), most)
     free = either(under, longest, fades)
     chunk = either(driven, either(under, swinging, period), either(free < most, free, most))
+    if doubles:
+        Om_gain = number(either(driven, exactly(omega) - Om, Fraction(0))) / omega
+        period_low = number(_period_rest(period, omega))
+    else:
+        Om_gain = zero
+        period_low = zero
     return Constants(
         cm=number(2 * h),
         w0sq=number(w0sq),
@@ -261,10 +270,8 @@ def constants(
         Ss=number(-drive * p) / response,
         Sc=number(drive * q) / response,
         period=period,
-        Om_gain=number(either(driven, exactly(omega) - Om, Fraction(0))) / omega
-        if doubles
-        else zero,
-        period_low=number(_period_rest(period, omega)) if doubles else zero,
+        Om_gain=Om_gain,
+        period_low=period_low,
         chunk=chunk,
         sigmas=number(SIGMAS),
         belt1=_belt_constants(parameters, 1, number, root, angle),
@@ -289,6 +296,7 @@ def march_steps(K):
     return MARCH_STEP / K.rate, (SLOW_STRIDE if K.rate > SLOW * K.beat else STRIDE) / K.rate
 
 
+@outlined
 def march_rows(table, out):
     """Write the coefficients of both fixed steps for each parameter set of `table` into `out`,
     (sets, 2, fields).
@@ -388,13 +396,13 @@ def constant_table(
     compiled or not.
     """
     doubts = np.zeros(count, dtype=bool)
-    given = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
-    for column in given.values():
+    watched = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
+    for column in watched.values():
         size = abs(column.hi)
         doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
     table = np.zeros(count, dtype=ROW)
     with np.errstate(all="ignore"):
-        K = constants(OtherNumbers(given), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
+        K = constants(OtherNumbers(watched), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
     _fill(table, K)
     for i in np.flatnonzero(doubts).tolist():
         table[i] = tuple(alone(i))
@@ -508,6 +516,7 @@ def derivatives(v, F, s, c, K):
     return G1, G2, G3
 
 
+@outlined
 def stiff_derivatives(tau, start, s, c, K):
     """Return v'', v''' and v'''' at `tau` after launch, for strong damping, as sums over decaying
     and steady terms.

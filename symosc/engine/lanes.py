@@ -1,15 +1,31 @@
 """Several motions side by side in the registers of a processor, one in each lane; compiled only.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 A lane does what `symosc.engine.next_event.advance` does, with the same formulas in the same order,
 on the common path: a flight that marches to the one step in which it meets a wall, or a stick that
 slips within a forcing period, and what Theorems 4 and 5 decide there beyond doubt. Where anything
 else happens, the lane's result is dropped, and the scalar loop makes this step. So results have the
 same bits, whatever the number of lanes, and whichever motions are neighbours.
 
-What the scalar functions do without a branch is called as it is; here are the loops and branches,
-with flags instead. A wall that is not there has an infinite gap. Lanes without a result may hold
-any numbers; `good` flags those with one. Other arguments are those of the scalar functions, one
-number for each lane.
+Why it stays, although it is the common path of the engine once more: `simulate_many` is half as
+fast without it. An event of fig5 that is only counted takes 124 ns with eight lanes and 235 ns in
+the scalar loop (one core), and counts, words and extremes of millions of events are what sweeps and
+basins ask for. One source for both does not work: a lane cannot branch, and the scalar search
+without branches would evaluate every case.
+
+What it shares: every function that has no branch (`marched`, `stays_open`, `meets_once`,
+`sharpened`, `shifted`, `exit_begin`, `parabola_step`, `carried_error`, the kernels ...) is called
+as it is, with lanes for numbers. What is here are the loops and branches, with flags instead: the
+march and the search for its root (`march`, `polish`), the pieces of a stick (`belt_exit`,
+`exit_root`), and what follows from a contact (`after_flight`, `meet_belt`, `after_stick`). A change
+of one of these has its counterpart here.
+
+What keeps it equal: tests/engine/test_lanes.py compares each lane's step with that of the scalar
+source bit by bit, on random motions, at two widths, and beside other neighbours.
+
+A wall that is not there has an infinite gap. Lanes without a result may hold any numbers; `good`
+flags those with one. Other arguments are those of the scalar functions, one number for each lane.
 """
 
 from __future__ import annotations
@@ -26,6 +42,7 @@ from symosc.engine.first_exit import (
     PI,
     ROUNDING,
     THIN,
+    exit_begin,
     force_gain_at,
     force_noise,
     force_slopes,
@@ -37,6 +54,7 @@ from symosc.engine.first_exit import (
     marched,
     meets_once,
     opens,
+    parabola_step,
     part_to_root,
     phase_ahead,
     root_by_series,
@@ -44,7 +62,6 @@ from symosc.engine.first_exit import (
     shifted,
     slips_at,
     stays_open,
-    wrap_phase,
 )
 from symosc.engine.flow import (
     ROW,
@@ -84,7 +101,8 @@ from symosc.engine.state import (
 from symosc.engine.summary import EVENTS_SO_FAR, SKIPPED, STICKS, tally_step
 from symosc.kernels._generated import acceleration, basis_apart, motion, stick_acceleration
 from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine
-from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, SIXTH
+from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW
+from symosc.kernels.rebind import outlined
 
 # Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its
 # width.
@@ -131,15 +149,15 @@ def belts(boundary, K):
     `boundary` says.
     """
     first = boundary == 1
-    one = K.belt1
-    two = K.belt2
-    v = select(first, one.v, two.v)
-    J = select(first, one.J, two.J)
-    drift = select(first, one.drift, two.drift)
-    turns = select(first, one.turns, two.turns) != 0.0
-    s_cr = select(first, one.s_cr, two.s_cr)
-    c_cr = select(first, one.c_cr, two.c_cr)
-    angle = select(first, one.angle, two.angle)
+    belt1 = K.belt1
+    belt2 = K.belt2
+    v = select(first, belt1.v, belt2.v)
+    J = select(first, belt1.J, belt2.J)
+    drift = select(first, belt1.drift, belt2.drift)
+    turns = select(first, belt1.turns, belt2.turns) != 0.0
+    s_cr = select(first, belt1.s_cr, belt2.s_cr)
+    c_cr = select(first, belt1.c_cr, belt2.c_cr)
+    angle = select(first, belt1.angle, belt2.angle)
     return BeltConstants(
         v, J, drift, turns, s_cr, c_cr, angle, v, v
     )  # the limits are not asked for here
@@ -224,11 +242,11 @@ def fly(state, remaining, K):
     good = good & ~late & passes_at_once(sqrt(S.S22), abs(F), G1, G2) & ~vague
     Fb = select(upward, F, F + belt.J)
     Fa = select(upward, F - belt.J, F)
-    other = select(upward, Fa, Fb)
-    small = good & (abs(other) < NEAR_FORCE * belt.J)
+    far_force = select(upward, Fa, Fb)
+    small = good & (abs(far_force) < NEAR_FORCE * belt.J)
     if any_of(small):
         noise = force_noise(F, tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(S.S22)
-        good = good & ~(small & (abs(other) <= noise))
+        good = good & ~(small & (abs(far_force) <= noise))
     rises = Fa > 0.0
     sticks = (Fa < 0.0) & (Fb > 0.0)
     target = select(rises, boundary + 1.0, boundary)
@@ -339,15 +357,30 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
     return hit, now, end, side
 
 
-def chosen(which, one, other):
-    """Return for each lane the point `one` where the flag `which` is set, else the point `other`."""
-    tau = select(which, one.tau, other.tau)
-    dv = select(which, one.dv, other.dv)
-    F = select(which, one.F, other.F)
-    G1 = select(which, one.G1, other.G1)
-    s = select(which, one.s, other.s)
-    c = select(which, one.c, other.c)
-    return Flown(tau, other.dx, dv, F, G1, other.G2, other.G3, s, c, other.E0, other.E1, other.E2)
+def chosen(which, point, fallback):
+    """Return for each lane the point `point` where the flag `which` is set, else the point
+    `fallback`.
+    """
+    tau = select(which, point.tau, fallback.tau)
+    dv = select(which, point.dv, fallback.dv)
+    F = select(which, point.F, fallback.F)
+    G1 = select(which, point.G1, fallback.G1)
+    s = select(which, point.s, fallback.s)
+    c = select(which, point.c, fallback.c)
+    return Flown(
+        tau,
+        fallback.dx,
+        dv,
+        F,
+        G1,
+        fallback.G2,
+        fallback.G3,
+        s,
+        c,
+        fallback.E0,
+        fallback.E1,
+        fallback.E2,
+    )
 
 
 def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
@@ -466,9 +499,10 @@ def end_of_stick(held, belt, K):
     first = phase_ahead(belt.angle - held.theta) / K.Om
     second = phase_ahead(PI - belt.angle - held.theta) / K.Om
     swap = belt.turns & (second < first)
-    first, second = select(swap, second, first), select(swap, first, second)
-    first = select(belt.turns, first, period)
-    second = select(belt.turns, second, period)
+    earlier = select(swap, second, first)
+    later = select(swap, first, second)
+    first = select(belt.turns, earlier, period)
+    second = select(belt.turns, later, period)
     c_first = select(swap, -belt.c_cr, belt.c_cr)
     at_period = belt.turns & ((first == 0.0) | (second == 0.0))
     tau = zero
@@ -498,16 +532,16 @@ def end_of_stick(held, belt, K):
         turning = (end < period) | (at_period & (end == period))
         unclear = turning & (abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K))
         open_yet = open_yet & ~(here & (unclear | (Delta_end == Delta)))
-        found = here & open_yet & (over >= 0.0)
-        good = good | found
-        open_yet = open_yet & ~found
-        force = select(found, force_here, force)
-        side = select(found, select(rising, 1.0, -1.0), side)
-        low = select(found, tau, low)
-        high = select(found, end, high)
-        from_Delta = select(found, Delta, from_Delta)
-        from_s = select(found, s, from_s)
-        from_c = select(found, c, from_c)
+        ends_here = here & open_yet & (over >= 0.0)
+        good = good | ends_here
+        open_yet = open_yet & ~ends_here
+        force = select(ends_here, force_here, force)
+        side = select(ends_here, select(rising, 1.0, -1.0), side)
+        low = select(ends_here, tau, low)
+        high = select(ends_here, end, high)
+        from_Delta = select(ends_here, Delta, from_Delta)
+        from_s = select(ends_here, s, from_s)
+        from_c = select(ends_here, c, from_c)
         tau = select(here, end, tau)
         Delta = select(here, Delta_end, Delta)
         s = select(here, belt.s_cr, s)
@@ -519,20 +553,7 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
     """Return (good, tau, slope, bend, s, c): in `good` lanes, when a stick ends, the force's
     derivatives, the phase.
     """
-    tau = low
-    over = force + Delta
-    sine = select(side * K.fB < 0.0, 1.0, -1.0)
-    inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
-    between = (low < inflection) & (inflection < high)
-    there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
-    better = between & (abs(there) < abs(over))
-    s = select(better, sine + 0.0 * c, s)
-    c = select(better, 0.0 * c, c)
-    tau = select(better, inflection, tau)
-    over = select(better, there, over)
-    beyond = side * there > 0.0
-    low = select(between & ~beyond, inflection, low)
-    high = select(between & beyond, inflection, high)
+    tau, over, s, c, low, high = exit_begin(force, side, low, high, Delta, s, c, held, belt, K)
     slope, bend = force_slopes(s, c, belt, K)
     Om2 = K.Om * K.Om
     slack = 4.0 * EPS * high
@@ -558,12 +579,7 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
             pending = pending & ~ends
             if not any_of(pending):
                 break
-        square = slope * slope - 2.0 * over * bend
-        steepness = select(square > 0.0, side * slope + sqrt(square), 0.0 * square)
-        step = select(steepness > 0.0, -2.0 * over * side / steepness, high - low)
-        incline = slope + (bend + 0.5 * third * step) * step
-        bent = (steepness > 0.0) & (side * incline > 0.0)
-        step = select(bent, step - SIXTH * third * step * step * step / incline, step)
+        step = parabola_step(over, slope, bend, third, side, high - low)
         outside = (tau + step >= high) | (tau + step <= low) | (2.0 * abs(step) > step_before)
         step = select(outside, 0.5 * (low + high) - tau, step)
         if exact:
@@ -579,8 +595,8 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
         beyond = side * over > 0.0
         low = select(pending & ~beyond, tau, low)
         high = select(pending & beyond, tau, high)
-    found = slips_at(tau, shift, side, -force, s, c, belt, K)
-    return done, found.tau, found.slope, found.bend, found.s, found.c
+    end = slips_at(tau, shift, side, -force, s, c, belt, K)
+    return done, end.tau, end.slope, end.bend, end.s, end.c
 
 
 def force_gain_in_lanes(tau, s0, c0, belt, K):
@@ -594,27 +610,29 @@ def force_gain_in_lanes(tau, s0, c0, belt, K):
 # --- many motions ---
 
 
-def block(flights, given, found, accuracy, K):
-    """Advance a flight (`flights`) or stick per lane from the array `given` to `found`.
+@outlined
+def block(flights, motions, results, accuracy, K):
+    """Advance a flight (`flights`) or stick per lane from the array `motions` to `results`.
 
     Return good lanes as bits.
     """
-    return advance_side_by_side(flights, given, found, accuracy, K)
+    return advance_side_by_side(flights, motions, results, accuracy, K)
 
 
-def block_of_sets(flights, given, found, accuracy, constants):
+@outlined
+def block_of_sets(flights, motions, results, accuracy, constants):
     """Advance all lanes as `block` does, but each with its own parameter set, a column of the array
     `constants`.
     """
-    return advance_side_by_side(flights, given, found, accuracy, load_constants(constants))
+    return advance_side_by_side(flights, motions, results, accuracy, load_constants(constants))
 
 
-def advance_side_by_side(flights, given, found, accuracy, K):
+def advance_side_by_side(flights, motions, results, accuracy, K):
     """Advance all lanes, for `block` and `block_of_sets`.
 
     A constant in K is one number or one for each lane.
     """
-    motion = load_motion(given)
+    motion = load_motion(motions)
     state = motion.state
     t_end = motion.t_end
     t0 = motion.t0
@@ -626,10 +644,11 @@ def advance_side_by_side(flights, given, found, accuracy, K):
         good, code, boundary, t_error, after = slip(state, remaining, K)
     clock = time_with_errors(after.t, after.t_low, t0, after.x, after.v, t_error, after.S.S11, K)
     good = good & ~is_inexact(clock[0], clock[1], after.x, clock[2], t0, accuracy)
-    store_tuple(found, LaneResult(after, code, boundary, t_error))
+    store_tuple(results, LaneResult(after, code, boundary, t_error))
     return bits_of(good)
 
 
+@outlined
 def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     """Follow the trajectories of `batch` as `follow_all` does, with motions side by side where that
     is possible.
@@ -644,8 +663,8 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     # Numbers of motions in flight and on a belt; their states, constants and results, one column
     # for each lane.
     queue = np.zeros((2, 2 * LANES), np.int64)
-    given = np.zeros((OF_MOTION, LANES))
-    space = queue, given, np.zeros((NUMBERS, LANES)), np.zeros((OF_RESULT, LANES))
+    motions = np.zeros((OF_MOTION, LANES))
+    space = queue, motions, np.zeros((NUMBERS, LANES)), np.zeros((OF_RESULT, LANES))
     while begin < count:
         if side_by_side:
             end, alike = end_of_group(begin, sets, table)
@@ -669,13 +688,14 @@ def follow_lanes(begin, batch, most, accuracy, out, pieces, tally, table):
     return begin, rows, parts
 
 
+@outlined
 def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, tally, table, space):
     """Follow trajectories `begin` to `end` - 1 side by side in arrays `space`.
 
     Return `rows`, the events so far.
     """
     out, pieces, tally, table, batch, space = borrowed((out, pieces, tally, table, batch, space))
-    queue, given, constants, found = space
+    queue, motions, constants, results = space
     states, sets, counts, codes = batch
     asked = tally.asked.extent or tally.asked.stuck or tally.asked.ring > 0
     K = table[sets[begin]]
@@ -706,26 +726,26 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
         for lane in range(LANES):
             i = queue[which, first + (lane if lane < taken else 0)]
             for n in range(OF_MOTION):
-                given[n, lane] = number_in(states, i, n)
+                motions[n, lane] = number_in(states, i, n)
             if not alike:
                 for n in range(NUMBERS):
                     constants[n, lane] = number_in(table, sets[i], n)
         if alike:
-            good = block(which == 0, given, found, accuracy, K)
+            good = block(which == 0, motions, results, accuracy, K)
         else:
-            good = block_of_sets(which == 0, given, found, accuracy, constants)
+            good = block_of_sets(which == 0, motions, results, accuracy, constants)
         tried += taken
         if asked:
-            tally_lanes(good, taken, queue[which, first:], found, batch, most, tally, table)
+            tally_lanes(good, taken, queue[which, first:], results, batch, most, tally, table)
         for lane in range(taken):
             i = queue[which, first + lane]
             if (good >> lane) & 1 and counts[i] < most:
                 if not asked:
-                    put_state(states, i, found, lane)
+                    put_state(states, i, results, lane)
                     now = states[i]
                     if (now.t - now.t0) + now.t_low >= tally.floats[i, SKIPPED]:
                         tally.ints[i, EVENTS_SO_FAR] += 1
-                        tally.ints[i, STICKS] += found[KIND, lane] == STICK
+                        tally.ints[i, STICKS] += results[KIND, lane] == STICK
                 rows += 1
                 kept += 1
                 counts[i] += 1
@@ -753,25 +773,26 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
     return rows
 
 
-def put_state(states, i, found, lane):
-    """Write the state that `found` has in a lane into row `i` of `states`."""
+def put_state(states, i, results, lane):
+    """Write the state that `results` has in a lane into row `i` of `states`."""
     for n in range(OF_STATE):
-        put_number(states, i, n, found[n, lane])
+        put_number(states, i, n, results[n, lane])
 
 
-def tally_lanes(good, taken, members, found, batch, most, tally, table):
+@outlined
+def tally_lanes(good, taken, members, results, batch, most, tally, table):
     """Add the steps of the first `taken` lanes, if their bits in `good` are set, to tallies of
     motions `members`, and write their states.
     """
-    members, found, table, batch, tally = borrowed((members, found, table, batch, tally))
+    members, results, table, batch, tally = borrowed((members, results, table, batch, tally))
     states, sets, counts, _ = batch
     for lane in range(taken):
         i = members[lane]
         if (good >> lane) & 1 and counts[i] < most:
-            step = int(found[KIND, lane])
-            boundary = int(found[BELT_THERE, lane])
+            step = int(results[KIND, lane])
+            boundary = int(results[BELT_THERE, lane])
             before = state_of(states[i])
-            put_state(states, i, found, lane)
+            put_state(states, i, results, lane)
             after = state_of(states[i])
-            event = NextEvent(step, boundary, True, found[T_ERROR, lane], after)
+            event = NextEvent(step, boundary, True, results[T_ERROR, lane], after)
             tally_step(i, before, event, states[i].t0, tally, table[sets[i]])

@@ -1,6 +1,8 @@
 """One step of a trajectory: find the next event, move there, and decide what happens (Theorems 4, 5
 and 6).
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 At a point of the boundary with domain `below` and domain `above` (n = (0, 1), so that G^(0) is the
 acceleration)
 
@@ -87,6 +89,7 @@ from symosc.kernels._generated import acceleration, next_derivative
 from symosc.kernels.double_double import two_product
 from symosc.kernels.elementary import select
 from symosc.kernels.entire import EPS, SERIES_BELOW, SIXTH
+from symosc.kernels.rebind import outlined
 
 TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
@@ -171,6 +174,7 @@ def past_end(tau_max, remaining):
     return tau_max
 
 
+@outlined
 def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
     """Prolong a flight's search if its `end`, at `tau_max`, is so near a wall that it may graze.
 
@@ -243,11 +247,13 @@ def after_flight(state, end, start, remaining, K):
     )
 
 
+@outlined
 def point_at_end(remaining, start, K):
     """Return the point of the flight `start` after the `remaining` time, where the motion ends."""
     return state_at(remaining, start, K)
 
 
+@outlined
 def no_contact(state, there, now, remaining, K):
     """Return the NextEvent of a flight from `state` that met no wall up to the state `there` (the
     point `now`).
@@ -295,6 +301,7 @@ def never_leaves(start, S, lower, upper, domain, K):
     return lowest - slack > lower and highest + slack < upper
 
 
+@outlined
 def creeps_for_ever(state, K):
     """Return whether a flight from `state` surely never meets a wall.
 
@@ -417,11 +424,11 @@ def meet_belt(there, end, v_noise, remaining, K):
         Fa = F
     decided = not vague
     if upward:
-        other = Fa
+        far_force = Fa
     else:
-        other = Fb
-    small = abs(other) < NEAR_FORCE * belt.J
-    if small and abs(other) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(
+        far_force = Fb
+    small = abs(far_force) < NEAR_FORCE * belt.J
+    if small and abs(far_force) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(
         S.S22
     ):
         decided = False
@@ -473,6 +480,7 @@ def meet_belt(there, end, v_noise, remaining, K):
     return NextEvent(CROSS, boundary, decided, t_error, crossed)
 
 
+@outlined
 def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
     """Return the NextEvent of a graze in state `there`, at `tau` after launch.
 
@@ -498,6 +506,7 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
     return NextEvent(code, boundary, False, t_error, touched)
 
 
+@outlined
 def resolve(v, F_below, F_above, s, c, K):
     """Return where a motion goes on from a belt: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4,
     5).
@@ -536,7 +545,9 @@ def following_sign(v, F, s, c, K):
         before = now
         now = 0.0 * after
         power = power * K.Om
-        drive_s, drive_c = K.Om * drive_c, -K.Om * drive_s
+        forcing_after = K.Om * drive_c
+        drive_c = -K.Om * drive_s
+        drive_s = forcing_after
     return 0
 
 
@@ -679,6 +690,7 @@ def passes_at_once(error, speed, second, third):
     return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
 
+@outlined
 def slow_passing_time(error, first, second, third, K):
     """Return the least time in which one of three derivatives alone makes up for an `error`.
 
@@ -703,22 +715,20 @@ def time_with_errors(t, t_low, t0, x, v, t_error, S11, K):
     # What a motion is locked to is the phase: the rounding of Omega is taken back in the time that
     # it stands for.
     out = clock_time(t, t_low, t0, K)
-    t_error, x_error = (
-        t_error + EPS * (abs(out) + 0.25 * (t - t0)),
-        abs(v) * t_error + sqrt(S11) + EPS * abs(x),
-    )
-    return out, t_error, x_error
+    x_error = abs(v) * t_error + sqrt(S11) + EPS * abs(x)
+    return out, t_error + EPS * (abs(out) + 0.25 * (t - t0)), x_error
 
 
 # --- with many digits: doubles search, and only the last step and its results take the digits ---
 
 
-def advance_near(state, rough, found, free, t_end, t_end_low, K):
-    """Advance `state` to its next event with many digits, beside the event `found` by doubles from
-    `rough`.
+@outlined
+def advance_near(state, rough, rough_event, free, t_end, t_end_low, K):
+    """Advance `state` to its next event with many digits, beside `rough_event`, which doubles find
+    from `rough`.
 
-    `rough` is `state` in doubles. If `found` is undecided, no wall is met for the time `free` after
-    `rough`.
+    `rough` is `state` in doubles. If `rough_event` is undecided, no wall is met for the time `free`
+    after `rough`.
     """
     # Doubles decide by more than the rounding of their start and their own. Where they are sure
     # which contact is the first and how it is met, many digits would find the same one. So these
@@ -727,7 +737,7 @@ def advance_near(state, rough, found, free, t_end, t_end_low, K):
     # (`contact_at_dip`). They search themselves where the end found so is not the one expected,
     # where doubles cannot decide otherwise, and where the end of the search is the question. The
     # rounding of `rough` is a part of its error.
-    code, boundary, decided, t_error, there = found
+    code, boundary, decided, t_error, there = rough_event
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
     if K.creeps or not tau > 0.0:
         return advance(state, t_end, t_end_low, K)
@@ -764,6 +774,7 @@ def advance_near(state, rough, found, free, t_end, t_end_low, K):
     return advance(state, t_end, t_end_low, K)
 
 
+@outlined
 def free_time(state, K):
     """Return a time during which the flight from `state` surely meets no wall, by fixed steps; 0 if
     they fail.

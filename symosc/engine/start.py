@@ -163,7 +163,8 @@ def start_rows(
     up = (at > 0) & (above > 0.0)
     down = (at > 0) & (below < 0.0)
     held = (at > 0) & ~up & ~down
-    below, above = np.where(up, above, below), np.where(up | held, above, below)
+    Fb = np.where(up, above, below)
+    Fa = np.where(up | held, above, below)
     t, t_low, t_end, t_end_low, t0 = times
     rows = np.empty(len(at), STATE_ROW)
     rows["mode"] = np.where(held, ON_BELT + at, mode + up)
@@ -172,8 +173,8 @@ def start_rows(
     rows["theta"] = theta
     rows["x"] = x
     rows["v"] = v
-    rows["Fb"] = below
-    rows["Fa"] = above
+    rows["Fb"] = Fb
+    rows["Fa"] = Fa
     rows["S11"] = (EPS * x) ** 2
     rows["S12"] = 0.0
     rows["S22"] = np.where(at > 0, 0.0, EPS * v) ** 2
@@ -417,7 +418,10 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
         missing = abs(Fb) * span
         Fa = 0 * x
         Fb = 0 * x
-    Fb, Fa = (0 * x if given == 0 else force for given, force in ((state.Fb, Fb), (state.Fa, Fa)))
+    if state.Fb == 0:
+        Fb = 0 * x
+    if state.Fa == 0:
+        Fa = 0 * x
     dx = (abs(x) / span + abs(v)) * part
     dv = missing
     if state.mode <= ON_BELT:

@@ -1,12 +1,16 @@
 """The engine's codes for modes and events, and its named tuples for states and search results.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 Codes are plain integers and states are NamedTuples of numbers, whole numbers and flags, because
 numba compiles both into registers; so they serve floats, pairs and mpmath numbers alike.
 """
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Iterator
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -91,7 +95,7 @@ class Followed(NamedTuple):
     t0: Number
 
 
-class Row(np.void):  # type: ignore[misc]  # its stub is final, numpy is not
+class Row(np.void):  # type: ignore[misc]  # numpy's stubs call its base final; it is not
     """A row of a table of motions: interpreted code reads and writes its numbers as attributes, as
     compiled code does.
     """
@@ -119,6 +123,11 @@ def names_of_numbers(kind: Any, nested: dict[str, Any]) -> Iterator[str]:
 TUPLES_IN_FOLLOWED = {"state": State, "S": Covariance}
 NUMBERS_OF_STATE = tuple(names_of_numbers(State, TUPLES_IN_FOLLOWED))
 NUMBERS_OF_FOLLOWED = tuple(names_of_numbers(Followed, TUPLES_IN_FOLLOWED))
+#: The numbers of a State as a tuple, by one call, and the numbers of a row as a named tuple.
+numbers_of_state = attrgetter(
+    *(f"S.{name}" if name in Covariance._fields else name for name in NUMBERS_OF_STATE)
+)
+RowNumbers: Any = namedtuple("RowNumbers", NUMBERS_OF_FOLLOWED)  # type: ignore[misc]
 #: The row of a table of motions in doubles, and in pairs, stored as complex numbers hi + i lo.
 STATE_ROW = np.dtype((Row, [(name, np.float64) for name in NUMBERS_OF_FOLLOWED]))
 PAIR_ROW = np.dtype((Row, [(name, np.complex128) for name in NUMBERS_OF_FOLLOWED]))

@@ -1,5 +1,7 @@
 """The summary of a motion, updated at every step, in memory independent of the number of events.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 A step of the event loop (`symosc.engine.next_event.advance`) is a flight or a stick without an
 event inside. The events at their ends are always counted. Where it is asked for, also the share of
 the time on belts, the extremes, and the sections that the motion passes. Sections are where a
@@ -46,6 +48,7 @@ from symosc.friction import MAPS
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SIXTH, basis_with_drive
+from symosc.kernels.rebind import outlined
 
 # Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the
 # extremes of the ends of steps alone.
@@ -197,14 +200,14 @@ def store_tallies(tally: Tally, rows: Any, own: Tally) -> None:
 # --- step by step ---
 
 
-def tally_step(i, before, found, t0, tally, K):
-    """Add a step of motion `i`, from the state `before` to the NextEvent `found`, to its tally."""
-    after = found.state
+def tally_step(i, before, event, t0, tally, K):
+    """Add a step of motion `i`, from the state `before` to the NextEvent `event`, to its tally."""
+    after = event.state
     asked = tally.asked
     ints = tally.ints
-    if found.code <= GRAZE and (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
+    if event.code <= GRAZE and (after.t - t0) + after.t_low >= tally.floats[i, SKIPPED]:
         ints[i, EVENTS_SO_FAR] += 1
-        ints[i, STICKS] += found.code == STICK
+        ints[i, STICKS] += event.code == STICK
     if asked.extent or (asked.stuck and before.mode > ON_BELT):
         tau = (after.t - before.t) + (after.t_low - before.t_low)
         tally_stretch(i, before, after, tau, t0, tally, K)
@@ -212,21 +215,21 @@ def tally_step(i, before, found, t0, tally, K):
         return
     if after.n > before.n:
         tally_sections(i, before, after.n, after.S, tally, K)
-    if found.code <= GRAZE:
+    if event.code <= GRAZE:
         to_section = TWO_PI - after.theta
-        reach = 8.0 * (K.Om * found.t_error)
+        reach = 8.0 * (K.Om * event.t_error)
         near = to_section < AT_SECTION + (reach if reach < MOST_AT_SECTION else MOST_AT_SECTION)
         if near and ints[i, EARLY] == 0:
             close_word(i, tally)
             ints[i, EARLY] = 1
-        code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + found.boundary])
+        code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + event.boundary])
         if code > 0:
             length = ints[i, LENGTH]
             if length < tally.labels.shape[2]:
                 tally.labels[i, 0, length] = code
             ints[i, LENGTH] = length + 1
             ints[i, CODE] = (ints[i, CODE] * 9 + code) % WORD_MODULUS
-        ints[i, PLANE] = found.boundary
+        ints[i, PLANE] = event.boundary
 
 
 def launch_of(state):
@@ -399,6 +402,7 @@ def close_word(i, tally):
     ints[i, CODE] = 0
 
 
+@outlined
 def finish_tally(i, last, code, remaining, t0, tally, K):
     """Store the `last` state of motion `i` in its tally, moved on by `remaining` if no more events
     come (REST).
@@ -444,6 +448,7 @@ def rest_of(tau, K):
     return 0.0
 
 
+@outlined
 def rest_stretches(i, state, remaining, t0, tally, K):
     """Add stick time and extremes of the motion after its last event, for the `remaining` time, to
     its tally.
@@ -481,6 +486,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
         now = then
 
 
+@outlined
 def flown(x, start, tau, s_Om, c_Om, K):
     """Return x and v of a flight `tau` after its Launch `start` at `x`.
 
@@ -496,6 +502,7 @@ def flown(x, start, tau, s_Om, c_Om, K):
 # --- at the end: the last sections, and after how many periods they repeat ---
 
 
+@outlined
 def settle(tally, sets, table, sections, repeats):
     """Fill `sections`, (n, m, 2), with x and v at the last m sections of motions, `repeats` with
     their multiplicity.
@@ -515,6 +522,7 @@ def settle(tally, sets, table, sections, repeats):
             repeats[i] = periods(i, tally, K)
 
 
+@outlined
 def periods(i, tally, K):
     """Return the number of periods after which words and sections repeat, twice in a row; 0 if they
     do not.
@@ -562,6 +570,7 @@ def same_sections(i, m, tally, K):
     return True
 
 
+@outlined
 def section(i, n, tally, K):
     """Return Poincaré section number `n` of motion `i` from its tally.
 
@@ -598,6 +607,7 @@ def widened(seen, x, v):
     )
 
 
+@outlined
 def flight_extremes(begin, last, start, x0, own, open_ends, K):
     """Extend `own`, the extremes of the ends of a flight, to those of the flight from time `begin`
     to point `last`.
@@ -652,6 +662,7 @@ def point(tau, dx, dv, there, K):
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, 1.0, 0.0, 0.0)
 
 
+@outlined
 def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
     """Extend the extremes `own` by those of a flight between the points `now` and `then`, which
     `own` includes.
@@ -666,6 +677,7 @@ def cell_extremes(now, then, M4, start, x0, own, open_ends, K):
     return own
 
 
+@outlined
 def cell_within(now, then, M4, v0, x0, seen, open_ends):
     """Return whether bounds from both ends prove that a flight between points `now` and `then`
     stays within `seen`.
@@ -676,6 +688,7 @@ def cell_within(now, then, M4, v0, x0, seen, open_ends):
     )
 
 
+@outlined
 def within(reach, way, now, M4, v0, x0, seen, open_ends):
     """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or
     before: way -1).
@@ -721,6 +734,7 @@ def stays_positive(reach, p0, p1, p2, p3, p4):
     return positive_on(reach, (p0, p1, p2, p3, p4))
 
 
+@outlined
 def cut_at(now, then, start, open_ends, K):
     """Return the point at which to divide a part of a flight: one where v or x is stationary, else
     the middle.
@@ -750,6 +764,7 @@ def rates(now, of_v, start):
     return (start.v + now.dv, now.F, now.G1)
 
 
+@outlined
 def stationary(now, then, of_v, start, K):
     """Return the point between `now` and `then` where v (if `of_v`) or x is stationary, by Halley's
     method.

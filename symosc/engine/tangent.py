@@ -1,6 +1,8 @@
 """The linearised motion: derivatives of events with respect to parameters and the start, for every
 kind of number.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 Between two events the end of a flight is a function of its launch, of both phases and of the
 parameters; the generated kernels have its partial derivatives in closed form. What ends it (a
 belt's speed is reached, or a force on the belt vanishes) gives the derivative of the event's time
@@ -34,6 +36,7 @@ from symosc.kernels._generated import (
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, basis
 from symosc.kernels.mapping import repeated
+from symosc.kernels.rebind import outlined
 
 TWO_PI = 2.0 * pi
 # A gap is not moved by what changes it by less than this part of the terms of its derivative.
@@ -239,7 +242,7 @@ def vanishing_times(domain, now, codes, letters, K, work):
     return REGULAR
 
 
-def contact_times(domain, other, belt, now, a, codes, K, work):
+def contact_times(domain, far_domain, belt, now, a, codes, K, work):
     """Write derivatives by `codes` of when a flight meets a belt with v' = `a`.
 
     Return as `vanishing_times` does.
@@ -255,7 +258,7 @@ def contact_times(domain, other, belt, now, a, codes, K, work):
     F, rounding = force(domain, now, K)
     if abs(F) <= VANISHES * rounding:
         return FLAT_CONTACT
-    if vanishes(other, now, K):
+    if vanishes(far_domain, now, K):
         return NO_FORCE
     if abs(F) <= SMALL * rounding:
         return ROUGH
@@ -267,7 +270,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
 
     Return whether any does.
     """
-    found = False
+    has_kink = False
     for j in range(len(regular)):
         if codes[j] == belt:
             own = 1.0
@@ -280,10 +283,11 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
             else:
                 marks[n, j] = OPENS_BELOW
             regular[j] = False
-            found = True
-    return found
+            has_kink = True
+    return has_kink
 
 
+@outlined
 def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out, work):
     """Write derivatives of t and x at all events of `motions` into `out`, by the parameters and
     starts in `codes`.
@@ -359,6 +363,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
             start = now
 
 
+@outlined
 def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out, work):
     """Write derivatives of x and v at fixed `times` by `codes` into `out`, from those where pieces
     are `launched`.

@@ -28,10 +28,11 @@ from symosc.base.errors import MissingExtraError, ParameterError
 from symosc.base.exact import show
 from symosc.base.expressions import ExactPhase
 from symosc.base.phases import number_of, of_sympy, read_phase, read_phase_text
-from symosc.engine.arithmetic import column_functions, compile_modules, mp_context
+from symosc.engine.arithmetic import column_functions, mp_context
 from symosc.grazing.exact_sine import sine_sign
 from symosc.kernels import double_double
 from symosc.kernels import theorem7_cases as cases
+from symosc.kernels.compiling import compile_modules
 from symosc.kernels.theorem7_cases import EMPTY, EVERYTHING, Place, place
 from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of

@@ -1,5 +1,7 @@
 """Pairs of doubles: a number is the unevaluated sum hi + lo with |lo| at most half a unit of hi.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 Scalar arithmetic only: this source runs as CPython floats and compiled by numba.
 """
 

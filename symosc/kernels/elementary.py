@@ -1,6 +1,8 @@
 """Sine, cosine, exp and expm1 as arithmetic: the same bits in CPython, in compiled loops and in
 lanes, everywhere.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 The C library's functions differ from system to system, and are calls, which no compiler turns into
 vector instructions. These have no branch (`sin` and `cos` one, for angles beyond WIDEST). The
 argument is reduced by a constant in two or three parts (Cody and Waite, Software Manual for the
@@ -64,11 +66,11 @@ X9 = 2.5105206475334834e-08
 X10 = 2.091467944897855e-09
 
 
-def select(condition, one, other):
-    """Return `one` where a condition holds, else `other`."""
+def select(condition, value, fallback):
+    """Return `value` where a condition holds, else `fallback`."""
     if condition:
-        return one
-    return other
+        return value
+    return fallback
 
 
 def power_of_two(n):

@@ -1,6 +1,8 @@
 """The entire functions that the generated kernels take as arguments, in double precision and in
 every regime.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 With the characteristic roots l1, l2 of D^2 + (c/m) D + k/m, and e[...] the divided differences of
 exp,
 
@@ -30,6 +32,7 @@ from __future__ import annotations
 
 from symosc.kernels._generated import basis_apart
 from symosc.kernels.elementary import cos, exp, expm1, sin
+from symosc.kernels.rebind import outlined
 
 SERIES_BELOW = 0.8
 APART_ABOVE = 0.8
@@ -81,6 +84,7 @@ def closed_form(tau, s, c, K):
     )
 
 
+@outlined
 def series(tau, cm, w0sq, Om):
     """Return the responses E0, E1, E2, R2, I2 of `basis` by Taylor series.
 
@@ -120,6 +124,7 @@ def series(tau, cm, w0sq, Om):
     return E0, E1, E2, R2, I2
 
 
+@outlined
 def careful(tau, s, c, K):
     """Return the responses E0, E1, E2, R2, I2 of `basis` by divided differences, where others lose
     digits.

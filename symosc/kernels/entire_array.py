@@ -1,5 +1,7 @@
 """The entire functions of `symosc.kernels.entire` for numpy arrays of times: each formula where it
 is good.
+
+This file is executed with other globals: see symosc/kernels/rebind.py.
 """
 
 from __future__ import annotations
@@ -30,16 +32,16 @@ def basis_with_drive(
     """
     short = K.rate * tau < SERIES_BELOW
     if K.apart:  # for all: most times are long, and picking them out would cost more
-        found = np.array(apart(tau, s, c, K))
+        columns = np.array(apart(tau, s, c, K))
         rest = ~short & (K.w0 * tau < APART_ABOVE)
     else:
-        found = np.empty((5, *np.shape(tau)))
+        columns = np.empty((5, *np.shape(tau)))
         rest = ~short
     if short.any():
-        found[:, short] = series(tau[short], K.cm, K.w0sq, K.beat)
+        columns[:, short] = series(tau[short], K.cm, K.w0sq, K.beat)
     if rest.any():
-        found[:, rest] = careful(tau[rest], s[rest], c[rest], K)
-    return (*found, s, c)
+        columns[:, rest] = careful(tau[rest], s[rest], c[rest], K)
+    return (*columns, s, c)
 
 
 def apart(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> Any:

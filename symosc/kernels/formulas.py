@@ -1,6 +1,8 @@
 """The entire functions of `symosc.kernels.entire` without a branch: a function for each formula,
 for SIMD loops.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 Each is good where `symosc.kernels.entire.basis` uses it. `symosc.mappings.compiled` sorts the
 points and compiles the loops of `symosc.kernels.mapping` once for each of the four, as their
 `basis`.

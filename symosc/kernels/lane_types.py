@@ -42,23 +42,23 @@ class LanesType(types.Type):
         self.flags = flags
         super().__init__(name=f"lanes({width}, {'flags' if flags else 'doubles'})")
 
-    def holds(self, other: Any) -> bool:
-        """Return whether a scalar of numba type `other` can be copied into all lanes of this type."""
-        return isinstance(other, types.Boolean if self.flags else (types.Float, types.Integer))
+    def holds(self, scalar: Any) -> bool:
+        """Return whether numba's type `scalar` can be copied into all lanes of this type."""
+        return isinstance(scalar, types.Boolean if self.flags else (types.Float, types.Integer))
 
-    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """Tell numba whether a value of type `other` may be passed where lanes are expected (None:
+    def can_convert_from(self, typingctx: Any, scalar: Any) -> Any:
+        """Tell numba whether a value of type `scalar` may be passed where lanes are expected (None:
         no).
         """
-        if self.holds(other):
+        if self.holds(scalar):
             return Conversion.promote
         return None
 
-    def unify(self, typingctx: Any, other: Any) -> Any:
-        """Tell numba the type of a variable that is lanes in one branch and of type `other` in
+    def unify(self, typingctx: Any, scalar: Any) -> Any:
+        """Tell numba the type of a variable that is lanes in one branch and of type `scalar` in
         another.
         """
-        if self.holds(other):
+        if self.holds(scalar):
             return self
         return None
 
@@ -76,9 +76,9 @@ class _LanesModel(models.PrimitiveModel):
 @lower_cast(types.Float, LanesType)
 @lower_cast(types.Integer, LanesType)
 @lower_cast(types.Boolean, LanesType)
-def _spread(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+def _spread(context: Any, builder: Any, declared: Any, wanted: Any, value: Any) -> Any:
     """Return LLVM code that copies a scalar `value` into all lanes of the type `wanted`."""
-    value = context.cast(builder, value, given, types.boolean if wanted.flags else types.float64)
+    value = context.cast(builder, value, declared, types.boolean if wanted.flags else types.float64)
     nothing = ir.Constant(context.get_value_type(wanted), ir.Undefined)
     first = builder.insert_element(nothing, value, ir.Constant(PLACE, 0))
     return builder.shuffle_vector(
@@ -90,11 +90,11 @@ def lanes_among(arguments: Any, flags: bool) -> Any:
     """Return the type of lanes (of flags if `flags`) in which an operation on `arguments` is
     computed, else None.
     """
-    found = [each for each in arguments if isinstance(each, LanesType)]
-    if not found or found[0].flags is not flags:
+    lanes = [argument for argument in arguments if isinstance(argument, LanesType)]
+    if not lanes or lanes[0].flags is not flags:
         return None
-    if all(each == found[0] or found[0].holds(each) for each in arguments):
-        return found[0]
+    if all(argument == lanes[0] or lanes[0].holds(argument) for argument in arguments):
+        return lanes[0]
     return None
 
 
@@ -204,16 +204,16 @@ def power_of_two(n):
 
 
 @intrinsic
-def select(typingctx: Any, condition: Any, one: Any, other: Any) -> Any:
-    """Return `one` in lanes where a condition holds, else `other`; also for scalars."""
+def select(typingctx: Any, condition: Any, value: Any, fallback: Any) -> Any:
+    """Return `value` in lanes where a condition holds, else `fallback`; also for scalars."""
     if isinstance(condition, LanesType):
         flags = [
-            each.flags if isinstance(each, LanesType) else isinstance(each, types.Boolean)
-            for each in (one, other)
+            kind.flags if isinstance(kind, LanesType) else isinstance(kind, types.Boolean)
+            for kind in (value, fallback)
         ]
         wanted = LanesType(condition.width, all(flags))
     else:
-        wanted = typingctx.unify_types(one, other)
+        wanted = typingctx.unify_types(value, fallback)
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         return builder.select(*arguments)
@@ -309,7 +309,8 @@ def tuple_loader(
 
             def made(of: Any) -> Any:
                 if isinstance(of, types.BaseTuple):
-                    return context.make_tuple(builder, of, [made(each) for each in list(iter(of))])  # type: ignore[call-overload]
+                    kinds = list(iter(of))  # type: ignore[call-overload]
+                    return context.make_tuple(builder, of, list(map(made, kinds)))
                 of_llvm = ir.VectorType(DOUBLE, width)
                 place = _row_address(
                     context, builder, array, of_llvm, arguments[0], ir.Constant(LONG, next(rows))
@@ -355,7 +356,7 @@ def _without_owner(typingctx: Any, arrays: Any) -> Any:
             if isinstance(kind, types.BaseTuple):
                 kinds = list(iter(kind))  # type: ignore[call-overload]
                 parts = [
-                    without(each, builder.extract_value(value, n)) for n, each in enumerate(kinds)
+                    without(part, builder.extract_value(value, n)) for n, part in enumerate(kinds)
                 ]
                 return context.make_tuple(builder, kind, parts)
             if not isinstance(kind, types.Array):

@@ -44,8 +44,8 @@ class Factors(NamedTuple):
 
     def solve(self, right: np.ndarray) -> np.ndarray:
         """Return the vector x with matrix x = `right`."""
-        given = right.tolist()
-        x = [given[i] for i in self.order]
+        known = right.tolist()
+        x = [known[i] for i in self.order]
         count = len(x)
         for i, row in enumerate(self.rows):
             for j in range(i):
@@ -108,17 +108,17 @@ class Triangle(NamedTuple):
 
     def turned(self, vector: list[float]) -> list[float]:
         """Return the transpose of Q times a vector."""
-        found = vector.copy()
+        image = vector.copy()
         for k, reflection in enumerate(self.reflections):
-            found[k:] = _mirrored(found[k:], *reflection)
-        return found
+            image[k:] = _mirrored(image[k:], *reflection)
+        return image
 
     def turned_back(self, vector: list[float]) -> list[float]:
         """Return Q times a vector."""
-        found = vector.copy()
+        image = vector.copy()
         for k, reflection in reversed(list(enumerate(self.reflections))):
-            found[k:] = _mirrored(found[k:], *reflection)
-        return found
+            image[k:] = _mirrored(image[k:], *reflection)
+        return image
 
 
 def _product(a: list[float], b: list[float]) -> float:
@@ -196,9 +196,9 @@ class Shortest:
         for k, row in enumerate(self.second.order):
             column = self.second.columns[k]
             middle[k] = (turned[row] - _product(column[:k], middle[:k])) / column[k]
-        found = np.zeros(count)
-        found[self.first.order] = self.second.turned_back(middle)
-        return found
+        solution = np.zeros(count)
+        solution[self.first.order] = self.second.turned_back(middle)
+        return solution
 
 
 def null_vector(matrix: np.ndarray) -> np.ndarray:

@@ -1,6 +1,8 @@
 """Residuals and derivatives of one map between two points: scalar source for every kind of number,
 and loops.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 `symosc.mappings.equations` binds these functions to numpy's and mpmath's sin, cos and entire
 functions; numba compiles them; `symosc.symbolic.export` prints them in other languages. A flight
 goes from a belt of speed v_i to one of speed v_j through the domain with A = A_alpha/m.
@@ -40,6 +42,7 @@ from symosc.kernels._generated import (
 )
 from symosc.kernels.elementary import WIDEST, cos, sin
 from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, basis
+from symosc.kernels.rebind import outlined
 
 # From this time on, times the damped frequency, the closed form with its square below loses no more
 # than a digit.
@@ -128,6 +131,7 @@ def stick_by_parameters(x_j, theta_i, theta_j, v, F, m, K):
 # --- divided differences over repeated nodes ---
 
 
+@outlined
 def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
     """Return the divided differences U0, U1, U2, V, W, P, Q at `tau` that derivatives by parameters
     are made of.
@@ -156,6 +160,7 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
     return U0.real, U1.real, U2.real, Z.real, Z.imag, Y.real, Y.imag
 
 
+@outlined
 def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
     """Return the divided difference of exp(z tau) over four `nodes`, taken n0 to n3 times.
 
@@ -170,18 +175,20 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
         # One node less: the last one, then the first one.
         without_last = one_less(counts, last)
         without_first = one_less(counts, first)
-        one = key_of(without_last)
-        other = key_of(without_first)
+        first_key = key_of(without_last)
+        second_key = key_of(without_first)
         if far * tau < FAR_NODES:
             known[key_of(counts)] = difference_by_series(counts, nodes, tau)
-        elif not there[one]:
+        elif not there[first_key]:
             stack.append(without_last)
             continue
-        elif not there[other]:
+        elif not there[second_key]:
             stack.append(without_first)
             continue
         else:
-            known[key_of(counts)] = (known[one] - known[other]) / (nodes[first] - nodes[last])
+            known[key_of(counts)] = (known[first_key] - known[second_key]) / (
+                nodes[first] - nodes[last]
+            )
         there[key_of(counts)] = True
         stack.pop()
     return known[key]
@@ -220,6 +227,7 @@ def farthest(counts, nodes):
     return far, first, last
 
 
+@outlined
 def difference_by_series(counts, nodes, tau):
     """Return the divided difference of exp(z tau) over `nodes` near each other, node i taken
     counts[i] times.

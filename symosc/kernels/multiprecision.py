@@ -239,13 +239,13 @@ class BasisMP:
         """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by Taylor series in tau."""
         context = self.for_series
         (cm, w0sq, Om) = self.constants
-        one = context.one
+        unit = context.one
         zero = context.zero
         eps = +context.eps
         before = zero
         term = tau
         pull = w0sq * tau
-        E0 = one
+        E0 = unit
         E1 = tau
         E2 = tau * tau / 2
         r = E2

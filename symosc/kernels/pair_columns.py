@@ -115,20 +115,20 @@ def exactly(value: Any) -> Any:
     return Fraction(value)
 
 
-def either(condition: Any, one: Any, other: Any) -> Any:
-    """Return `one` where a condition holds, else `other`, for single numbers or row by row."""
+def either(condition: Any, value: Any, fallback: Any) -> Any:
+    """Return `value` where a condition holds, else `fallback`, for single numbers or row by row."""
     if not isinstance(condition, np.ndarray):
         if condition:
-            return one
-        return other
-    if not isinstance(one, PairColumn) and not isinstance(other, PairColumn):
-        return np.where(condition, one, other)
-    if isinstance(one, PairColumn):
-        some = one
+            return value
+        return fallback
+    if not isinstance(value, PairColumn) and not isinstance(fallback, PairColumn):
+        return np.where(condition, value, fallback)
+    if isinstance(value, PairColumn):
+        some = value
     else:
-        some = other
-    a = some._as_column(one)
-    b = some._as_column(other)
+        some = fallback
+    a = some._as_column(value)
+    b = some._as_column(fallback)
     return some._with_doubts(b, np.where(condition, a.hi, b.hi), np.where(condition, a.lo, b.lo))
 
 

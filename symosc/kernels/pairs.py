@@ -1,6 +1,8 @@
 """Double-double numbers: a class for CPython and a type for numba, whose operators and functions
 give the same bits.
 
+This file is executed with other globals: see symosc/kernels/rebind.py.
+
 A pair is the unevaluated sum hi + lo with |lo| at most half a unit of hi: 106 bits. The operators
 are the usual ones (Joldes, Muller and Popescu, ACM TOMS 44 (2017)): those of `Pair` by
 `symosc.kernels.double_double`, those of numba's type as LLVM code, where fused multiply-add gives
@@ -143,19 +145,19 @@ class PairType(types.Type):
     def __init__(self) -> None:
         super().__init__(name="Pair")
 
-    def can_convert_from(self, typingctx: Any, other: Any) -> Any:
-        """Tell numba whether a value of type `other` may be passed where a pair is expected (None:
+    def can_convert_from(self, typingctx: Any, scalar: Any) -> Any:
+        """Tell numba whether a value of type `scalar` may be passed where a pair is expected (None:
         no).
         """
-        if isinstance(other, (types.Float, types.Integer)):
+        if isinstance(scalar, (types.Float, types.Integer)):
             return Conversion.promote
         return None
 
-    def unify(self, typingctx: Any, other: Any) -> Any:
-        """Tell numba the type of a variable that is a pair in one branch and of type `other` in
+    def unify(self, typingctx: Any, scalar: Any) -> Any:
+        """Tell numba the type of a variable that is a pair in one branch and of type `scalar` in
         another.
         """
-        if isinstance(other, (types.Float, types.Integer)):
+        if isinstance(scalar, (types.Float, types.Integer)):
             return self
         return None
 
@@ -201,9 +203,9 @@ def _constant(context: Any, builder: Any, declared: Any, value: Pair) -> Any:
 
 @lower_cast(types.Float, PairType)
 @lower_cast(types.Integer, PairType)
-def _cast(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+def _cast(context: Any, builder: Any, declared: Any, wanted: Any, value: Any) -> Any:
     """Return LLVM code that converts an int or a float to a pair."""
-    hi = context.cast(builder, value, given, types.float64)
+    hi = context.cast(builder, value, declared, types.float64)
     return _packed(context, builder, hi, context.get_constant(types.float64, 0.0))
 
 
@@ -283,7 +285,8 @@ def _operator(name: Callable[..., Any], result: Any, code: Callable[..., Any]) -
     class Typing(AbstractTemplate):
         def generic(self, arguments: Any, keywords: Any) -> Any:
             numbers = all(
-                isinstance(each, (PairType, types.Float, types.Integer)) for each in arguments
+                isinstance(argument, (PairType, types.Float, types.Integer))
+                for argument in arguments
             )
             if numbers and pair_type in arguments:
                 return signature(result, pair_type, pair_type)
@@ -291,10 +294,10 @@ def _operator(name: Callable[..., Any], result: Any, code: Callable[..., Any]) -
 
     @lower_builtin(name, pair_type, pair_type)
     def lowered(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        found = code(builder, *_parts(builder, arguments[0]), *_parts(builder, arguments[1]))
+        parts = code(builder, *_parts(builder, arguments[0]), *_parts(builder, arguments[1]))
         if result is pair_type:
-            return _packed(context, builder, *found)
-        return found
+            return _packed(context, builder, *parts)
+        return parts
 
 
 for _name, _code in {
@@ -342,16 +345,16 @@ def _from_complex(typingctx: Any, value: Any) -> Any:
     wanted = _with_pairs(value)
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        def made(kind: Any, given: Any) -> Any:
+        def made(kind: Any, part: Any) -> Any:
             if isinstance(kind, types.Complex):
-                return _packed(context, builder, *_parts(builder, given))
+                return _packed(context, builder, *_parts(builder, part))
             if isinstance(kind, types.BaseTuple):
                 kinds = list(iter(kind))  # type: ignore[call-overload]
                 entries = [
-                    made(each, builder.extract_value(given, i)) for i, each in enumerate(kinds)
+                    made(each, builder.extract_value(part, i)) for i, each in enumerate(kinds)
                 ]
                 return context.make_tuple(builder, _with_pairs(kind), entries)
-            return given
+            return part
 
         return made(value, arguments[0])
 
@@ -359,7 +362,7 @@ def _from_complex(typingctx: Any, value: Any) -> Any:
 
 
 @lower_cast(PairType, types.Complex)
-def _as_complex(context: Any, builder: Any, given: Any, wanted: Any, value: Any) -> Any:
+def _as_complex(context: Any, builder: Any, declared: Any, wanted: Any, value: Any) -> Any:
     """Return LLVM code for a pair as the complex number hi + i lo.
 
     So compiled code stores a pair in a row of complex numbers: ``row.x = pair``.
@@ -465,8 +468,8 @@ def _three_parts(value: Any) -> tuple[Pair, Pair, Pair]:
 # sin(j pi/1024) for a quarter of a turn, and the coefficients of Taylor's series, each rounded
 # once.
 _SINES = [Pair(EXACT.sin(j * EXACT.pi / PER_PI)) for j in range(QUARTER + 1)]
-SINES_HIGH = np.array([each.hi for each in _SINES])
-SINES_LOW = np.array([each.lo for each in _SINES])
+SINES_HIGH = np.array([sine.hi for sine in _SINES])
+SINES_LOW = np.array([sine.lo for sine in _SINES])
 TURN1, TURN2, TURN3 = _three_parts(EXACT.pi / PER_PI)
 LOG1, LOG2, LOG3 = _three_parts(+EXACT.ln2)
 PER_TURN = float(PER_PI / EXACT.pi)

@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 from symosc.base.arguments import FLAG, TEXT, WORD, public, require, require_or_none
 from symosc.base.errors import ParameterError
 from symosc.base.exact import unmasked
-from symosc.engine.arithmetic import compile_modules, compiled
+from symosc.engine.arithmetic import compiled
 from symosc.engine.flow import Constants, constants
 from symosc.friction import MAPS, Map
 from symosc.kernels import _generated, elementary, entire, entire_array, formulas, mapping
+from symosc.kernels.compiling import compile_modules
 from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments
 from symosc.mappings.points import POINT_NAMES

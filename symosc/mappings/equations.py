@@ -33,7 +33,7 @@ from symosc.base.arguments import POINT, REAL, TEXT, public, require, require_or
 from symosc.base.errors import ParameterError, SymoscError
 from symosc.base.phases import number_of
 from symosc.engine import tangent
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, bind, column_functions, many_digits
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions, many_digits
 from symosc.engine.first_exit import ROUNDING
 from symosc.engine.flow import Constants, constant_force, constants, friction_signs
 from symosc.engine.start import belt_start, belt_state, force_terms
@@ -50,6 +50,7 @@ from symosc.engine.state import (
 )
 from symosc.friction import MAPS, MODE_NAMES, NEIGHBOURS, Map
 from symosc.kernels import mapping
+from symosc.kernels.rebind import bind
 from symosc.mappings.points import POINT_NAMES, is_array, point_columns, scalar
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import ParametersLike, parameters_of

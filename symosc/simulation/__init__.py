@@ -2,5 +2,5 @@
 `tables`).
 
 `motion` follows one motion in more precise numbers where doubles do not suffice; `problems` reads
-columns of many and begins them; `batch` chooses loops and threads.
+columns of many and begins them; `batch` runs them in threads, and `loops` chooses which loop runs.
 """

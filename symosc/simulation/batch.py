@@ -1,9 +1,7 @@
-"""Execution of many motions at once: compiled or interpreted loops, threads, and compilation in
-advance.
+"""Execution of many motions at once: buffers, threads, and compilation in advance.
 
-Interpreted and compiled loops give the same bits: only the time depends on which of them runs. What
-comes out does not depend on the number of threads either: each chunk is computed by itself, and put
-where it belongs.
+What comes out does not depend on the number of threads: each chunk is computed by itself, and put
+where it belongs. Which loop runs is chosen by `symosc.simulation.loops`.
 """
 
 from __future__ import annotations
@@ -11,31 +9,30 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
 from threading import Event
 from time import perf_counter
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from symosc.base.errors import MissingExtraError
 from symosc.base.exact import whole_number
-from symosc.engine import arithmetic, flow, summary
+from symosc.engine import arithmetic
 from symosc.engine import batch as engine_batch
-from symosc.engine.arithmetic import PairLoops, compiled, compiled_pairs, interpreted, is_compiled
+from symosc.engine.arithmetic import compiled, compiled_pairs
 from symosc.engine.batch import (
     NO_PIECES,
     Batch,
     EventRows,
     batch_of,
     event_buffer,
-    rows_between,
 )
 from symosc.engine.flow import table_of
 from symosc.engine.start import Start, first_row
 from symosc.engine.state import PAIR_ROW, STATE_ROW
 from symosc.engine.summary import Tally, no_tally
+from symosc.kernels.compiling import is_compiled
 from symosc.scenes import load_scene
+from symosc.simulation.loops import CHOICE
 
 Result = TypeVar("Result")
 
@@ -43,8 +40,6 @@ Result = TypeVar("Result")
 # little more than a power of 2: else all columns would have the same places in the processor's
 # cache.
 CAPACITY = (1 << 18) + 72
-# Events after which the interpreted loop asks whether to go on.
-TURN = 2048
 # A chunk has enough motions to hide what it costs to begin one, and so few that all threads are
 # busy to the end.
 LEAST_IN_CHUNK = 16
@@ -52,90 +47,6 @@ MOST_IN_CHUNK = 2048
 LEAST_ALONE = 512  # where one thread does all
 CHUNKS_PER_WORKER = 6
 MOST_WORKERS = 256
-
-
-@dataclass
-class InterpretBudget:
-    """How many events one kind of loop may still interpret in this process before it is compiled
-    instead.
-    """
-
-    events: int
-
-
-DOUBLES = InterpretBudget(250_000)
-PAIRS = InterpretBudget(25_000)
-
-
-class Loops(NamedTuple):
-    """The functions that start, follow and finish motions, compiled or not.
-
-    They take constants as a numpy table.
-    """
-
-    march_rows: Callable[..., None]
-    follow: Callable[..., tuple[int, int, int]]
-    settle: Callable[..., None]
-    in_threads: bool  # whether several threads are faster than one
-
-
-FOLLOW = interpreted(engine_batch.follow_all)
-INTERPRETED = Loops(interpreted(flow.march_rows), FOLLOW, interpreted(summary.settle), False)
-
-
-def chosen_loops(use_numba: Any) -> Loops:
-    """Return the loops: compiled (True), interpreted (False), or compiled if numba is installed
-    (None).
-    """
-    if use_numba is not None and not use_numba:
-        return INTERPRETED
-    try:
-        functions = compiled()
-    except MissingExtraError:
-        if use_numba:
-            raise
-        return INTERPRETED
-    march_rows, follow, settle = (
-        functions[name] for name in ("march_rows", "follow_all", "settle")
-    )
-    if not use_numba:
-        if not is_compiled(march_rows):
-            march_rows = INTERPRETED.march_rows
-        if not is_compiled(follow):
-            follow = _interpreted_first(follow)
-        if not is_compiled(settle):
-            settle = INTERPRETED.settle
-    return Loops(march_rows, follow, settle, True)
-
-
-def pair_loops(events: int) -> PairLoops:
-    """Return the loops for double-double numbers, compiled, or interpreted if that is quicker for
-    so many `events`.
-    """
-    pays = events > PAIRS.events or arithmetic.pairs_are_compiled()
-    if pays:
-        return compiled_pairs()
-    return arithmetic.interpreted_pairs()
-
-
-def _interpreted_first(compiled_one: Callable[..., Any]) -> Callable[..., tuple[int, int, int]]:
-    """Return an event loop, interpreted for up to 2048 events per call until `DOUBLES` is used up,
-    then compiled.
-    """
-
-    def follow(
-        begin: int, batch: Batch, most: int, accuracy: float, out: EventRows, *others: Any
-    ) -> Any:
-        if DOUBLES.events <= 0 or is_compiled(compiled_one):
-            return compiled_one(begin, batch, most, accuracy, out, *others)
-        one = Batch(*(column[: begin + 1] for column in batch))
-        begin, filled, parts = FOLLOW(
-            begin, one, most, accuracy, rows_between(out, 0, TURN), *others
-        )
-        DOUBLES.events -= max(filled, 1)
-        return begin, filled, parts
-
-    return follow
 
 
 def follow_batch(
@@ -217,24 +128,24 @@ def in_chunks(
     results = list[Result]()
     done = 0
 
-    def one(rows: slice) -> Result:
+    def work_on(rows: slice) -> Result:
         cancel.check()
         try:  # another thread may have taken the last one
             buffer = SPARE_BUFFERS.pop()
         except IndexError:
             buffer = event_buffer(CAPACITY)
-        found = work(rows, buffer, cancel)
+        result = work(rows, buffer, cancel)
         SPARE_BUFFERS.append(buffer)
-        return found
+        return result
 
     if min(workers, len(chunks)) <= 1:
         for rows in chunks:
-            results.append(one(rows))
+            results.append(work_on(rows))
             progress(rows.stop, count)
     else:
         with ThreadPoolExecutor(min(workers, len(chunks)), thread_name_prefix="symosc") as pool:
             try:
-                futures = {pool.submit(one, rows): rows.stop - rows.start for rows in chunks}
+                futures = {pool.submit(work_on, rows): rows.stop - rows.start for rows in chunks}
                 for future in as_completed(futures):
                     future.result()
                     done += futures[future]
@@ -261,7 +172,7 @@ def warm() -> list[Warmed]:
 
     Raise MissingExtraError if numba is not installed.
     """
-    loops = chosen_loops(True)
+    loops = CHOICE.of_many(True)
     doubles = compiled()
     pairs = compiled_pairs()
     tangents = arithmetic.compiled_tangents()["tangents"]

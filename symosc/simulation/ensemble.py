@@ -88,8 +88,14 @@ from symosc.kernels.elementary import cos, sin
 from symosc.model import Parameters
 from symosc.reductions import OtherModel
 from symosc.scenes import ParametersLike, Scene, parameters_of
-from symosc.simulation import batch as loops
-from symosc.simulation.batch import CancelToken, chosen_loops, in_chunks, pair_loops, read_workers
+from symosc.simulation.batch import (
+    MOST_WORKERS,
+    CancelToken,
+    follow_batch,
+    in_chunks,
+    read_workers,
+)
+from symosc.simulation.loops import CHOICE, Loops
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, fits_pairs
 from symosc.simulation.problems import NumberColumn, Problems
 from symosc.simulation.simulate import (
@@ -102,7 +108,7 @@ from symosc.simulation.simulate import (
     read_most,
 )
 from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
-from symosc.simulation.tangents import chosen_tangents, event_changes, read_wrt
+from symosc.simulation.tangents import event_changes, read_wrt
 from symosc.simulation.trajectory import Trajectory
 from symosc.words import Word
 
@@ -199,7 +205,7 @@ def simulate_many(
     require_or_none(*PROGRESS, progress=progress)
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
     most = read_most(max_events, MOST_EVENTS)
-    task = Task(problems, chosen_loops(use_numba), most, read_accuracy(accuracy))
+    task = Task(problems, CHOICE.of_many(use_numba), most, read_accuracy(accuracy))
     of_events = isinstance(record, str) and record == "events"
     work: Callable[..., Any]
     if of_events:
@@ -217,11 +223,11 @@ def simulate_many(
         raise ParameterError("wrt", wrt, 'is for events; leave it out, or record="events"')
     else:
         work = partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
-    threads = min(read_workers(workers), loops.MOST_WORKERS if task.loops.in_threads else 1)
+    threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
     if of_events:
-        rows, status = ([each for part in parts for each in part[n]] for n in range(2))
+        rows, status = ([item for part in parts for item in part[n]] for n in range(2))
         columns = map(
             engine_batch.joined_arrays, map(list, zip(*(part[2] for part in parts), strict=True))
         )
@@ -248,7 +254,7 @@ class Task(NamedTuple):
     """
 
     problems: Problems
-    loops: loops.Loops
+    loops: Loops
     most: int
     accuracy: float
 
@@ -290,10 +296,10 @@ class Chunk:
         for i in self._reset_undecided():
             cancel.check()
             if task.loops.in_threads:
-                pairs = pair_loops(int(self.batch.counts[i]))
+                pairs = CHOICE.of_pairs(int(self.batch.counts[i]))
             else:
                 pairs = None
-            loops.PAIRS.events -= int(self.batch.counts[i])
+            CHOICE.pairs.events -= int(self.batch.counts[i])
             self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, loops=pairs)
         for i, trajectory in self.alone.items():
             again[i] = trajectory.rows()
@@ -347,7 +353,7 @@ class Chunk:
         """
         follow = self.task.loops.follow
         most = self.task.most
-        for rows in loops.follow_batch(
+        for rows in follow_batch(
             follow, batch, most, self._needed, self.table, self._buffer, tally
         ):
             self._cancel.check()
@@ -358,7 +364,7 @@ class Chunk:
 
         Return events by motion.
         """
-        found: dict[int, EventRows] = {}
+        events_by_motion: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         apart = self.task.problems.surely_fit_pairs(numbers, self._starts["at"][members], FAR_OFF)
         groups: dict[int, list[int]] = {}
@@ -371,10 +377,10 @@ class Chunk:
             events = EventRows(*(columns[:, order] for columns in events))
             cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
             events.ints[0] = np.array(some)[events.ints[0]]
-            found |= {
+            events_by_motion |= {
                 i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)
             }
-        return found
+        return events_by_motion
 
     def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
         """Follow the motions `members`, of one parameter set, to the end, in pairs where doubles
@@ -395,7 +401,7 @@ class Chunk:
         waiting = np.arange(len(pairs))
         while len(waiting):
             events = wanted - batch.counts
-            functions = pair_loops(int(events[waiting[:TOGETHER]].sum()))
+            functions = CHOICE.of_pairs(int(events[waiting[:TOGETHER]].sum()))
             if functions is compiled_pairs():
                 together = len(waiting)
             else:
@@ -405,19 +411,29 @@ class Chunk:
             buffer = event_buffer(
                 0 if len(tally.floats) else int((events + MOST_MORE)[active].sum())
             )
-            given = active, wanted, pairs, batch, buffer, engine_batch.NO_PIECES, K, tally, going
-            filled, _ = functions.follow_pairs(*given)
-            loops.PAIRS.events -= filled
+            arguments = (
+                active,
+                wanted,
+                pairs,
+                batch,
+                buffer,
+                engine_batch.NO_PIECES,
+                K,
+                tally,
+                going,
+            )
+            filled, _ = functions.follow_pairs(*arguments)
+            CHOICE.pairs.events -= filled
             yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
             active = active[batch.codes[active] == RUNNING]
             further = Batch(*(column[active] for column in batch))
             counted = select_tallies(tally, active)
             if len(active):
-                found = joined(self._in_doubles(further, counted))
+                further_events = joined(self._in_doubles(further, counted))
                 doubtful = further.codes <= UNDECIDED
-                decided = ~doubtful[found.ints[0]]
-                found.ints[0] = active[found.ints[0]]
-                yield EventRows(found.floats[:, decided], found.ints[:, decided])
+                decided = ~doubtful[further_events.ints[0]]
+                further_events.ints[0] = active[further_events.ints[0]]
+                yield EventRows(further_events.floats[:, decided], further_events.ints[:, decided])
                 wanted[active] = further.counts + (further.codes == UNDECIDED)
                 done = active[~doubtful]
                 for column, own in zip(batch, further, strict=True):
@@ -438,7 +454,7 @@ class Chunk:
         pairs = self.task.problems.pair_rows(
             numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0])
         )
-        pair_loops(len(pairs)).first_pairs(pairs, pair_constants(parameters))
+        CHOICE.of_pairs(len(pairs)).first_pairs(pairs, pair_constants(parameters))
         least = np.minimum(abs(starts["Fb"]), abs(starts["Fa"]))
         largest = np.maximum(abs(starts["Fb"]), abs(starts["Fa"]))
         unclear = (starts["at"] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
@@ -512,7 +528,8 @@ def events_of(
     changes = tuple[np.ndarray, ...]()
     if wrt:
         chunk.rows = [joined(chunk.rows)]
-        loop = chosen_tangents(len(chunk.rows[0].ints[0]), task.loops.in_threads, use_numba)
+        count = len(chunk.rows[0].ints[0])
+        loop = CHOICE.of_derivatives(count, task.loops.in_threads, use_numba)
         changes = event_changes(chunk.rows[0], chunk.launches(), wrt, loop)
     for part in chunk.rows:
         part.ints[0] += rows.start
@@ -666,11 +683,11 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     for before, after in pairwise(states):
         if not (events or whole):
             break
-        found = NextEvent(MOVED, 0, True, 0.0, after)
+        event = NextEvent(MOVED, 0, True, 0.0, after)
         if events and events[-1][:2] == (after.x, after.theta):
             _, _, t_error, kind, boundary = events.pop()
-            found = NextEvent(kind, boundary, True, t_error, after)
-        tally_step(i, before, found, 0.0, tally, K)
+            event = NextEvent(kind, boundary, True, t_error, after)
+        tally_step(i, before, event, 0.0, tally, K)
         last = after
     remaining = (float(trajectory.t_end) - t0) - last.t
     finish_tally(i, last, REST if whole else RUNNING, remaining, 0.0, tally, K)

@@ -16,7 +16,7 @@ import numpy as np
 
 from symosc.base.aliases import Number
 from symosc.engine import arithmetic, batch
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, loaded_loop, many_digits
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, many_digits
 from symosc.engine.batch import (
     EventRows,
     event_buffer,
@@ -60,7 +60,7 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import no_tally
-from symosc.simulation.batch import InterpretBudget
+from symosc.simulation.loops import CHOICE
 
 # The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as
 # a part of that.
@@ -75,9 +75,6 @@ SAFETY = 100
 # The working precision where doubles do not decide, or are not accurate enough: what these leave
 # open comes before an event whose errors are not negligible beside its rounding to doubles.
 FINER_DIGITS = 44
-# The searches for single events that are interpreted before they are compiled: where the event loop
-# is loaded too.
-SEARCHES = InterpretBudget(150_000)
 # A contact that is undecided with this many times the digits may be a graze.
 GRAZE_TIMES = 3
 GRAZE_SPARE = 20
@@ -108,16 +105,6 @@ def fits_pairs(start: Start) -> bool:
     return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
-def table_without_state(start: Start) -> np.ndarray:
-    """Return a table with one row, which has the end time and the t0 of a motion in doubles, and
-    zeros in place of its state.
-    """
-    table = np.zeros(1, STATE_ROW)
-    table["t_end"], table["t_end_low"] = last_time(start, Arithmetic(start.parameters))
-    table["t0"] = float(start.t0)
-    return table
-
-
 class SearchInDoubles:
     """The search in doubles for the next events of one motion, by compiled code if in use.
 
@@ -128,29 +115,23 @@ class SearchInDoubles:
     # `next_event`, for more precise numbers, always exceed the errors of a state.
 
     def __init__(self, start: Start, K: Constants) -> None:
-        functions = loaded_loop() or {}
-        plain = (batch.search_row, batch.doubt_row)
-        found = tuple(functions.get(each.__name__, each) for each in plain)
-        compiled = bool(functions) and (
-            SEARCHES.events <= 0 or all(map(arithmetic.is_compiled, found))
-        )
-        if compiled:
-            self._search, self._doubt = found
-        else:
-            self._search, self._doubt = plain
-        careful = Arithmetic(start.parameters).K
-        self._table = table_without_state(start)
-        self._careful, self._K = (table_of([each]) if compiled else [each] for each in (careful, K))
+        self._loops = CHOICE.of_searches()
+        end = last_time(start, Arithmetic(start.parameters))
+        self._motion = self._loops.motion(*end, float(start.t0))
+        self._careful = self._loops.constants(Arithmetic(start.parameters).K)
+        self._K = self._loops.constants(K)
 
     def next_event(self, state: State) -> tuple[NextEvent, float] | None:
         """Return the event after `state` and, if undecided, a time before which no wall is met;
         None on overflow.
         """
-        keep_state(self._table[0], state)
-        SEARCHES.events -= 1
+        self._motion.put(state)
+        CHOICE.searches.events -= 1
         try:
-            code, boundary, decided, t_error, free = self._search(self._table, self._careful)
-            return NextEvent(code, boundary, decided, t_error, state_of(self._table[0])), free
+            code, boundary, decided, t_error, free = self._loops.search(
+                self._motion.table, self._careful
+            )
+            return NextEvent(code, boundary, decided, t_error, self._motion.state()), free
         except (ArithmeticError, ValueError):
             return None
 
@@ -158,10 +139,12 @@ class SearchInDoubles:
         """Return the number of the first event after number `count` that doubles cannot decide, 0
         if none is near.
         """
-        keep_state(self._table[0], state)
-        SEARCHES.events -= batch.LOOK_AHEAD
+        self._motion.put(state)
+        CHOICE.searches.events -= batch.LOOK_AHEAD
         try:
-            return int(self._doubt(self._table, count, limits.most, limits.accuracy, self._K))
+            return int(
+                self._loops.doubt(self._motion.table, count, limits.most, limits.accuracy, self._K)
+            )
         except (ArithmeticError, ValueError):
             return 0
 
@@ -250,7 +233,7 @@ class Motion:
             half = float(context.eps) / 2
         else:
             half = 0.0
-        found = list[Event]()
+        events = list[Event]()
         for numbers, codes in self._events:
             values: dict[str, Any] = dict(zip(FLOAT_COLUMNS, numbers, strict=True))
             values |= {
@@ -265,8 +248,8 @@ class Motion:
                     values[name] = CODE_NAMES[name][code]
                 else:
                     values[name] = code
-            found.append(Event(**values))
-        return found
+            events.append(Event(**values))
+        return events
 
     def undo(self) -> None:
         """Take back the last step: its state, its piece, and its event if it had one."""
@@ -299,33 +282,33 @@ class Motion:
         own = self.arithmetic
         with own.precision():
             before = self._before = self._state
-            found = self._next_event(before)
-            self.code = found.code
-            self.decided = found.decided
-            self._state = found.state
-            if found.code in (END, REST):
+            event = self._next_event(before)
+            self.code = event.code
+            self.decided = event.decided
+            self._state = event.state
+            if event.code in (END, REST):
                 return
             self._record_piece(self._elapsed())
-            if found.code <= GRAZE:
-                s = found.state
+            if event.code <= GRAZE:
+                s = event.state
                 time_with_errors = own.following["time_with_errors"]
                 clock = time_with_errors(
-                    s.t, s.t_low, self._begin[0], s.x, s.v, found.t_error, s.S.S11, self.K
+                    s.t, s.t_low, self._begin[0], s.x, s.v, event.t_error, s.S.S11, self.K
                 )
-                self._record_event(before, found, clock)
-                self.grazes_only = self.grazes_only and found.code == GRAZE
+                self._record_event(before, event, clock)
+                self.grazes_only = self.grazes_only and event.code == GRAZE
 
-    def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
-        """Store the event `found` after `before`.
+    def _record_event(self, before: State, event: NextEvent, clock: tuple[Number, ...]) -> None:
+        """Store the event `event` after `before`.
 
         `clock` has its time, and the errors of its time and position.
         """
         t, t_error, x_error = clock
         self._worst = max(
-            self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(found.state.x))
+            self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(event.state.x))
         )
-        numbers = self.arithmetic.following["event_numbers"](before, found, clock, self.K)
-        self._events.append((numbers, event_codes(before, found)))
+        numbers = self.arithmetic.following["event_numbers"](before, event, clock, self.K)
+        self._events.append((numbers, event_codes(before, event)))
 
     def _next_event(self, state: State) -> NextEvent:
         """Return the event after `state` with many digits; doubles search for it where they can."""
@@ -341,10 +324,10 @@ class Motion:
         self._rough = None
         if ahead is None:
             self._search = None
-            found: NextEvent = functions["advance"](state, *self._end, self.K)
+            event: NextEvent = functions["advance"](state, *self._end, self.K)
         else:
-            found = functions["advance_near"](state, rough, *ahead, *self._end, self.K)
-        return found
+            event = functions["advance_near"](state, rough, *ahead, *self._end, self.K)
+        return event
 
     def _elapsed(self) -> Number:
         """Return the time since t0, as a number of the kind that the motion is computed with."""
@@ -380,7 +363,7 @@ class MotionInPairs:
     def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops) -> None:
         exact = many_digits(start.parameters, arithmetic.ROUNDED_FROM)
         state = first_state(start, exact)
-        tables = (table_of([each]) for each in (K, Arithmetic(start.parameters).K))
+        tables = (table_of([constants]) for constants in (K, Arithmetic(start.parameters).K))
         self._follow = loops.follow_pairs
         self._K = arithmetic.pair_constants(start.parameters)
         self._limits = batch.PairLimits(
@@ -388,7 +371,12 @@ class MotionInPairs:
         )
         row = batch.row_of(state, *last_time(start, exact))
         self._pairs = np.array([arithmetic.pairs_as_complex(row)], PAIR_ROW)
-        self._batch = batch.batch_of(table_without_state(start))
+        in_doubles = np.zeros(1, STATE_ROW)
+        in_doubles["t_end"], in_doubles["t_end_low"] = last_time(
+            start, Arithmetic(start.parameters)
+        )
+        in_doubles["t0"] = float(start.t0)
+        self._batch = batch.batch_of(in_doubles)
         keep_state(self._batch.states[0], rounded(state, float(start.t0), K.Om_gain))
         self._events = list[EventRows]()
         self._pieces = list[np.ndarray]()
@@ -430,8 +418,8 @@ class MotionInPairs:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
             out = event_buffer(size)
             pieces = piece_buffer(size)
-            given = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
-            rows, parts = self._follow(first, wanted, *given)
+            arguments = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
+            rows, parts = self._follow(first, wanted, *arguments)
             self._events.append(rows_between(out, 0, rows))
             self._pieces.append(pieces[:, :parts])
             self.goal = int(wanted[0])
@@ -442,10 +430,10 @@ class MotionInPairs:
         """Return the events and the pieces (parts between steps) found since the last call, as
         columns.
         """
-        found = joined(self._events), np.concatenate(self._pieces, axis=1)
+        columns = joined(self._events), np.concatenate(self._pieces, axis=1)
         self._events = []
         self._pieces = []
-        return found
+        return columns
 
 
 class MotionInDigits(Motion):
@@ -462,20 +450,20 @@ class MotionInDigits(Motion):
         K: Constants,
         limits: Limits,
         digits: int,
-        other: MotionInPairs | MotionInDigits | None,
+        before: MotionInPairs | MotionInDigits | None,
     ) -> None:
-        if other:
-            begin = other.last_sure(many_digits(start.parameters, digits))
+        if before:
+            begin = before.last_sure(many_digits(start.parameters, digits))
         else:
             begin = None
         super().__init__(start, digits, begin, K)
-        self.from_start = other is None
+        self.from_start = before is None
         self.is_known = True
-        if other:
-            self._skipped = other.count
+        if before:
+            self._skipped = before.count
         else:
             self._skipped = 0
-        self.grazes_only = other is None or other.grazes_only
+        self.grazes_only = before is None or before.grazes_only
         self._limits = limits
         self.goal = 0
 
@@ -510,20 +498,20 @@ class MotionInDigits(Motion):
                 return False
         return True
 
-    def _record_event(self, before: State, found: NextEvent, clock: tuple[Number, ...]) -> None:
+    def _record_event(self, before: State, event: NextEvent, clock: tuple[Number, ...]) -> None:
         """Store an event rounded to doubles, with its errors.
 
         Note whether it is known well enough.
         """
         t, t_error, x_error = map(float, clock)
-        x = float(found.state.x)
+        x = float(event.state.x)
         noise = self._limits.noise
         self.is_known = self.from_start or (
             batch.is_below(noise, t_error, t) and batch.is_below(noise, x_error, x)
         )
         told = t, batch.rounding_error(t_error, t), batch.rounding_error(x_error, x)
-        numbers = self.arithmetic.following["event_numbers"](before, found, told, self.K)
-        self._events.append((tuple(map(float, numbers)), event_codes(before, found)))
+        numbers = self.arithmetic.following["event_numbers"](before, event, told, self.K)
+        self._events.append((tuple(map(float, numbers)), event_codes(before, event)))
 
     def last_sure(self, finer: MpArithmetic) -> State:
         """Return the current state, the last that is known, in the more precise arithmetic `finer`."""
@@ -569,8 +557,12 @@ class FinerMotion:
         self.open_at = nan
         self.open_in = 0
         self.now: MotionInPairs | MotionInDigits
-        if fits_pairs(start) and (loops or arithmetic.pairs_are_loaded()):
-            self.now = MotionInPairs(*self._problem, loops or arithmetic.compiled_pairs())
+        if fits_pairs(start):
+            loops = loops or CHOICE.of_pairs_if_loaded()
+        else:
+            loops = None
+        if loops:
+            self.now = MotionInPairs(*self._problem, loops)
         else:
             self.now = MotionInDigits(*self._problem, self._least, None)
 
@@ -608,7 +600,7 @@ class FinerMotion:
         else:
             least = 0
         times = now.elapsed, start.t_end - start.t0
-        needed, whole = (digits_to_confirm_graze(now, each, base, least) or inf for each in times)
+        needed, whole = (digits_to_confirm_graze(now, span, base, least) or inf for span in times)
         if least > MOST_SHRINKING:
             needed = inf
         if now.from_start and now.code != FAILED and now.digits >= needed:
@@ -632,16 +624,16 @@ class FinerMotion:
             most = min(whole, MOST_GRAZE, GRAZE_TIMES * needed)
         return self._go_on(int(max(needed, most)), now)
 
-    def _go_on(self, digits: int, other: MotionInPairs | MotionInDigits | None = None) -> bool:
-        """Go on with `digits` digits from where `other` is, or from t0.
+    def _go_on(self, digits: int, source: MotionInPairs | MotionInDigits | None = None) -> bool:
+        """Go on with `digits` digits from where `source` is, or from t0.
 
         Return whether it reaches all events so far.
         """
         self._take()
         before = self.now
         count = self.now.count
-        self.now = now = MotionInDigits(*self._problem, digits, other)
-        if isinstance(before, MotionInPairs) or other:
+        self.now = now = MotionInDigits(*self._problem, digits, source)
+        if isinstance(before, MotionInPairs) or source:
             return True
         # Steps of two arithmetics differ: one may end between events where the other one does not.
         while not now.ended and now.count <= count and now.elapsed < before.elapsed:

@@ -52,60 +52,60 @@ class NumberColumn:
     remainders `lo`.
     """
 
-    def __init__(self, name: str, given: Any) -> None:
-        given = _as_numpy(name, given)
-        alone = not isinstance(given, Sized) or isinstance(given, (str, bytes, Mapping))
+    def __init__(self, name: str, values: Any) -> None:
+        values = _as_numpy(name, values)
+        alone = not isinstance(values, Sized) or isinstance(values, (str, bytes, Mapping))
         if alone:
-            given = np.array([given, None], dtype=object)[:1]  # whatever it is
-        elif not isinstance(given, np.ndarray):
-            given = np.asarray(list(given), dtype=object)
-        if given.ndim != 1:
+            values = np.array([values, None], dtype=object)[:1]  # whatever it is
+        elif not isinstance(values, np.ndarray):
+            values = np.asarray(list(values), dtype=object)
+        if values.ndim != 1:
             raise ParameterError(
-                name, given, f"must be a number or have shape (n,); it has {given.shape}"
+                name, values, f"must be a number or have shape (n,); it has {values.shape}"
             )
-        self.single = len(given) == 1
+        self.single = len(values) == 1
         if (
             not self.single
-            and given.dtype == object
-            and all(type(value) is float for value in given)
+            and values.dtype == object
+            and all(type(value) is float for value in values)
         ):
-            given = given.astype(float)
+            values = values.astype(float)
         self.name = name
-        self._given = given
+        self._given = values
         self._exact = dict[int, Fraction]()
-        plain = not self.single and given.dtype == np.float64
+        plain = not self.single and values.dtype == np.float64
         if plain:
-            self.hi, self.lo = self._split_doubles(given)
+            self.hi, self.lo = self._split_doubles(values)
         else:
-            self.hi, self.lo = self._split_numbers(given)
+            self.hi, self.lo = self._split_numbers(values)
         self.is_plain = plain or self.single  # then equal doubles are equal numbers
 
-    def _split_doubles(self, given: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the doubles `given`, and what they lack to the numbers meant: the decimals that
+    def _split_doubles(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the doubles `values`, and what they lack to the numbers meant: the decimals that
         they print as.
         """
         largest = f"must be at most {float(LARGEST):g} in size"
         for bad, reason in (
-            (~np.isfinite(given), "must be finite"),
-            (abs(given) > float(LARGEST), largest),
+            (~np.isfinite(values), "must be finite"),
+            (abs(values) > float(LARGEST), largest),
         ):
             if bad.any():
                 row = int(bad.argmax())
-                raise ParameterError(self.called(row), float(given[row]), reason)
-        lo, sure = decimal_rest(given)
+                raise ParameterError(self.called(row), float(values[row]), reason)
+        lo, sure = decimal_rest(values)
         for row in np.flatnonzero(~sure).tolist():
-            value = float(given[row])
+            value = float(values[row])
             lo[row] = float(DECIMAL_CONTEXT.subtract(Decimal(repr(value)), Decimal(value)))
-        return np.array(given), lo
+        return np.array(values), lo
 
-    def _split_numbers(self, given: Any) -> tuple[np.ndarray, np.ndarray]:
+    def _split_numbers(self, values: Any) -> tuple[np.ndarray, np.ndarray]:
         """Read numbers of any kind exactly.
 
         Return them rounded to doubles hi, and the remainders lo.
         """
         known: dict[Any, tuple[float, float]] = {}
-        parts = np.empty((2, len(given)))
-        for row, entry in enumerate(given):
+        parts = np.empty((2, len(values)))
+        for row, entry in enumerate(values):
             value = scalar_of(self.name, entry)
             # Numbers of two types may be equal and mean two fractions: the float 0.1 is 1/10,
             # Fraction(0.1) is not. A fraction is known by its identity: to hash it takes longer
@@ -162,30 +162,30 @@ def _as_numpy(name: str, value: Any) -> Any:
     return value
 
 
-def named(name: str, given: Any, wanted: tuple[str, ...]) -> Any:
+def named(name: str, data: Any, wanted: tuple[str, ...]) -> Any:
     """Return columns given by name (mapping, table, record array) in the order of `wanted`.
 
     Other data unchanged.
     """
-    names = getattr(getattr(given, "dtype", None), "names", None)
-    if isinstance(given, Mapping):
-        names = list(given)
-    elif names is None and hasattr(given, "__getitem__"):
+    names = getattr(getattr(data, "dtype", None), "names", None)
+    if isinstance(data, Mapping):
+        names = list(data)
+    elif names is None and hasattr(data, "__getitem__"):
         labels = getattr(
-            given, "columns", getattr(given, "index", None)
+            data, "columns", getattr(data, "index", None)
         )  # a list has a method of this name
         if labels is None or callable(labels):
             names = None
         else:
             names = list(labels)
-        if not (names and any(isinstance(each, str) for each in names)):
+        if not (names and any(isinstance(label, str) for label in names)):
             names = None
     if names is None:
-        return given
+        return data
     if sorted(map(str, names)) != sorted(wanted):
         said = f"must have the names {', '.join(wanted[:-1])} and {wanted[-1]}, and no other"
-        raise ParameterError(name, [str(each) for each in names], said)
-    return {each: given[each] for each in wanted}
+        raise ParameterError(name, [str(label) for label in names], said)
+    return {label: data[label] for label in wanted}
 
 
 def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -209,9 +209,9 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         near = np.rint(high)
         over = (high - near) + low
         lacking = np.rint(over) - over
-        found = inside & ~sure & (abs(lacking) < unit * power)
-        rest = np.where(found, np.sign(values) * lacking / power, rest)
-        sure = sure | found
+        fits = inside & ~sure & (abs(lacking) < unit * power)
+        rest = np.where(fits, np.sign(values) * lacking / power, rest)
+        sure = sure | fits
     whole_power = (
         ~whole & (size < 2.0**53) & (np.rint(size) == size)
     )  # a power of two, as a rule 1, 2 or 4
@@ -223,18 +223,18 @@ class ParameterSets:
     numbers or arrays.
     """
 
-    def __init__(self, given: Any) -> None:
+    def __init__(self, parameters: Any) -> None:
         self._known = dict[int, Parameters]()
         self.columns = dict[str, NumberColumn]()
         self._is_object = False
-        if isinstance(given, Mapping):
-            self._read_mapping(given)
+        if isinstance(parameters, Mapping):
+            self._read_mapping(parameters)
             return
         try:
-            if isinstance(given, Parameters):
-                sets: list[Any] = [given]
+            if isinstance(parameters, Parameters):
+                sets: list[Any] = [parameters]
             else:
-                sets = list(given)
+                sets = list(parameters)
         except TypeError:
             sets = [None]
         if not sets or not all(isinstance(p, Parameters) for p in sets):
@@ -242,24 +242,26 @@ class ParameterSets:
                 "give Parameters, a sequence of them, or a mapping of all their names to numbers "
                 "or columns"
             )
-            raise ParameterError("parameters", given, hint)
+            raise ParameterError("parameters", parameters, hint)
         self._known = dict(enumerate(sets))
         self.count = len(sets)
         self._is_object = len(sets) == 1
 
-    def _read_mapping(self, given: Mapping[str, Any]) -> None:
+    def _read_mapping(self, parameters: Mapping[str, Any]) -> None:
         """Read a mapping of all parameters' names to numbers or columns."""
-        for name in given:
+        for name in parameters:
             if name not in PARAMETER_NAMES:
                 raise ParameterError(
                     str(name),
-                    given[name],
+                    parameters[name],
                     f"is no parameter; they are {', '.join(PARAMETER_NAMES)}",
                 )
         for name in PARAMETER_NAMES:
-            if name not in given:
-                raise ParameterError("parameters", dict(given), f"{name} is missing")
-        columns = self.columns = {name: NumberColumn(name, given[name]) for name in PARAMETER_NAMES}
+            if name not in parameters:
+                raise ParameterError("parameters", dict(parameters), f"{name} is missing")
+        columns = self.columns = {
+            name: NumberColumn(name, parameters[name]) for name in PARAMETER_NAMES
+        }
         self.count = common_length({name: len(column) for name, column in columns.items()})
         lowest = {name: least(name) for name in PARAMETER_NAMES}
         wrong = [columns[name].hi < float(low) for name, low in lowest.items() if low is not None]

@@ -9,7 +9,6 @@ to that many digits.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from contextlib import nullcontext
 from fractions import Fraction
 from functools import partial
@@ -31,9 +30,9 @@ from symosc.base.exact import (
     whole_number,
 )
 from symosc.engine import batch as engine_batch
-from symosc.engine.arithmetic import Arithmetic, PairLoops, loaded_loop, mp_context
+from symosc.engine.arithmetic import Arithmetic, PairLoops, mp_context
 from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
-from symosc.engine.flow import Constants, clock_time, table_of
+from symosc.engine.flow import clock_time
 from symosc.engine.start import (
     MOST_PERIODS,
     Start,
@@ -68,7 +67,7 @@ from symosc.scenes import (
     parameters_of,
     problem_of,
 )
-from symosc.simulation.batch import TURN, chosen_loops
+from symosc.simulation.loops import CHOICE
 from symosc.simulation.motion import (
     PAIR_NOISE,
     FinerMotion,
@@ -87,7 +86,6 @@ MOST_EXACT_EVENTS = 20_000
 MOST_WORKING = 12
 # Events of the first block of a motion in doubles, and of the largest one.
 FIRST_BLOCK = 64
-LARGEST_BLOCK = 1 << 15
 
 
 @public
@@ -191,38 +189,38 @@ def read_most(max_events: Any, default: int) -> int:
 
 
 def read_start(
-    scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any
+    scene: Scene | Parameters | SceneName, arguments: dict[str, Any], start_error: Any
 ) -> Start:
     """Return the initial value problem of a scene or of keyword arguments.
 
     Refuse a scene of another model.
     """
-    start, original = read_problem(scene, given, start_error)
+    start, original = read_problem(scene, arguments, start_error)
     if original is not None:
         raise not_reduced_error(scene)
     return start
 
 
 def read_problem(
-    scene: Any, given: dict[str, Any], start_error: Any
+    scene: Any, arguments: dict[str, Any], start_error: Any
 ) -> tuple[Start, Original | None]:
     """Return the initial value problem of a scene or of arguments, and the other model it stands
     for, if any.
     """
     if isinstance(scene, Parameters | OtherModel):
-        if given["t_end"] is None:
+        if arguments["t_end"] is None:
             if isinstance(scene, Parameters):
                 what = "Parameters"
             else:
                 what = "an OtherModel"
             raise ParameterError("t_end", None, f"t_end is required when you pass {what}")
-        given = {name: 0 if value is None else value for name, value in given.items()}
-        given["t_end"] = end_time(given["t_end"], parameters_of(scene), given["t0"])
-        scene = Scene("motion", scene, **given)  # type: ignore[arg-type]
-        given = {}
+        arguments = {name: 0 if value is None else value for name, value in arguments.items()}
+        arguments["t_end"] = end_time(arguments["t_end"], parameters_of(scene), arguments["t0"])
+        scene = Scene("motion", scene, **arguments)  # type: ignore[arg-type]
+        arguments = {}
     elif not isinstance(scene, Scene):
         scene = load_scene(scene)
-    if changes := {name: value for name, value in given.items() if value is not None}:
+    if changes := {name: value for name, value in arguments.items() if value is not None}:
         scene = scene.started(changes)
     if start_error is not None and scene.original is not None:
         scene = moved_scene(scene, scene.original, start_error=start_error)
@@ -303,11 +301,13 @@ def in_doubles(
     else:
         code = RUNNING
     while code == RUNNING:
-        loop, table, largest = single_loop(count, K)
-        size = min(largest, max(FIRST_BLOCK, 8 * count))
+        loop = CHOICE.of_single(count, K)
+        size = min(loop.most_events, max(FIRST_BLOCK, 8 * count))
         out = engine_batch.event_buffer(size)
         parts = piece_buffer(size)
-        _, filled, begins = loop(0, batch, most, needed, out, parts, no_tally(), table)
+        _, filled, begins = loop.follow(
+            0, batch, most, needed, out, parts, no_tally(), loop.constants
+        )
         events.append(engine_batch.rows_between(out, 0, filled))
         pieces.append(parts[:, :begins])
         count = int(batch.counts[0])
@@ -347,18 +347,6 @@ def in_doubles(
         status, message = _ended(start, code, state_of(batch.states[0]))
     whole = np.concatenate(pieces, axis=1)
     return Trajectory(start.parameters, rows, whole, status, message, (t0, last), first.at)
-
-
-def single_loop(count: int, K: Constants) -> tuple[Callable[..., tuple[int, int, int]], Any, int]:
-    """Return an event loop for a motion that has had `count` events, constants for it, and the most
-    rows for events.
-    """
-    if functions := loaded_loop():
-        return functions["follow_all"], table_of([K]), LARGEST_BLOCK
-    if count < TURN:
-        return engine_batch.follow_all, [K], TURN
-    loop = chosen_loops(None).follow  # compiled if that pays
-    return loop, table_of([K]), TURN if loaded_loop() is None else LARGEST_BLOCK
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
@@ -420,9 +408,9 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
     context = mp_context(digits)
     columns = motion.columns()
     span = context.convert(motion.t0), context.convert(last)
-    found = partial(motion.events, context)
+    events = partial(motion.events, context)
     return Trajectory(
-        start.parameters, found, columns, status, message, span, motion.first_at, digits
+        start.parameters, events, columns, status, message, span, motion.first_at, digits
     )
 
 

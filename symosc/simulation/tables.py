@@ -104,9 +104,9 @@ class EventTable(Columns):
         """Return the events of one trajectory, as a table of it alone."""
         number = range(len(self.status))[whole_number("trajectory", trajectory)]
         rows = slice(*np.searchsorted(self.trajectory, [number, number + 1]))
-        found = select_rows(self, rows, [self.status[number]])
-        found.trajectory = found.trajectory * 0
-        return found
+        selected = select_rows(self, rows, [self.status[number]])
+        selected.trajectory = selected.trajectory * 0
+        return selected
 
     def __repr__(self) -> str:
         motions = f"{counted(len(self.status), 'motion')} ({statuses(self.status)})"
@@ -193,7 +193,8 @@ def table_from(
 def rows_of(i: int, events: Sequence[Event]) -> EventRows:
     """Return the events of trajectory number i as rows of doubles and codes."""
     codes = {
-        name: {each: code for code, each in names.items()} for name, names in CODE_NAMES.items()
+        name: {name_of_code: code for code, name_of_code in names.items()}
+        for name, names in CODE_NAMES.items()
     }
     rows = event_buffer(len(events))
     for n, event in enumerate(events):

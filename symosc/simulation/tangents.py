@@ -1,6 +1,4 @@
-"""Derivatives of the events of many motions: what `symosc.engine.tangent` needs, and which loop
-runs it.
-"""
+"""Derivatives of the events of many motions: what the loop of `symosc.engine.tangent` needs."""
 
 from __future__ import annotations
 
@@ -9,17 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from symosc.base.errors import MissingExtraError, ParameterError, meant
-from symosc.engine import tangent
-from symosc.engine.arithmetic import compiled_tangents, interpreted, is_compiled, loaded_loop
+from symosc.base.errors import ParameterError, meant
 from symosc.engine.batch import EventRows, large_array
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.tangent import K_, OMEGA, PARAMETERS, SIZE, C, M
 from symosc.model import PARAMETER_NAMES
-from symosc.simulation.batch import InterpretBudget
 
-TANGENTS = InterpretBudget(250_000)
-INTERPRETED = interpreted(tangent.tangents)
 #: What a motion is differentiated by, in the order of the codes of `symosc.engine.tangent`.
 NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
 
@@ -107,32 +100,3 @@ def columns_of(events: EventRows) -> tuple[np.ndarray, ...]:
         for name in ("kind", "boundary", "target")
     ]
     return *floats, *codes
-
-
-def tangent_loops(wanted: bool) -> dict[str, Any] | None:
-    """Return the compiled loops of derivatives if on disk, else None.
-
-    Look only if `wanted` or if numba is in use.
-    """
-    if not wanted and loaded_loop() is None:
-        return None
-    try:
-        loops = compiled_tangents()
-    except MissingExtraError:
-        return None
-    if is_compiled(loops["tangents"]):
-        return loops
-    return None
-
-
-def chosen_tangents(events: int, in_threads: bool, use_numba: bool | None) -> Callable[..., None]:
-    """Return the loop for derivatives of so many `events`: compiled if `in_threads`, and if
-    `use_numba` or quicker.
-    """
-    if not in_threads:
-        return INTERPRETED
-    compiled: Callable[..., None] = compiled_tangents()["tangents"]
-    if use_numba or TANGENTS.events <= 0 or is_compiled(compiled):
-        return compiled
-    TANGENTS.events -= events
-    return INTERPRETED

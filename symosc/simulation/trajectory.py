@@ -153,18 +153,18 @@ class Trajectory(Drawable):
     @cached_property
     def segments(self) -> Listing[Segment]:
         """The segments in order of time."""
-        found = []
+        segments = []
         plane = self._first_at
         since = self.t_start
         mode = MODE_NAMES[int(self._pieces[2, 0])]
         for event in self.events:
-            found.append(
+            segments.append(
                 Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary)))
             )
             plane = event.boundary
             since = event.t
             mode = event.target
-        return Listing([*found, Segment(since, self.t_end, mode, None)])
+        return Listing([*segments, Segment(since, self.t_end, mode, None)])
 
     @cached_property
     def _starts(self) -> Any:
@@ -345,16 +345,13 @@ class Trajectory(Drawable):
         from scipy.optimize import OptimizeResult  # what scipy's OdeResult is, loaded in less time
 
         times = np.array(
-            [
-                float(each)
-                for each in (self.t_start, *(event.t for event in self.events), self.t_end)
-            ]
+            [float(t) for t in (self.t_start, *(event.t for event in self.events), self.t_end)]
         )
         belts = [
             np.array([float(event.t) for event in self.events if event.boundary == belt])
             for belt in (1, 2)
         ]
-        states = [self(each).T.astype(float) if len(each) else np.empty((0, 2)) for each in belts]
+        states = [self(t).T.astype(float) if len(t) else np.empty((0, 2)) for t in belts]
         success = self.status in ("t_end", "equilibrium")
         about = {
             "status": 0 if success else -1,
@@ -420,13 +417,13 @@ def read_times(t: Any) -> np.ndarray:
     """Return times as floats, in their given shape."""
     unmasked("t", t)
     try:
-        given = np.asarray(t)
+        times = np.asarray(t)
     except ValueError:  # rows of several lengths
-        given = np.asarray(t, dtype=object)
-    if given.dtype.kind in "iuf":
-        return given.astype(float)
-    numbers = [float(read_exact("t", time)) for time in given.ravel().tolist()]
-    return np.array(numbers, dtype=float).reshape(given.shape)
+        times = np.asarray(t, dtype=object)
+    if times.dtype.kind in "iuf":
+        return times.astype(float)
+    numbers = [float(read_exact("t", time)) for time in times.ravel().tolist()]
+    return np.array(numbers, dtype=float).reshape(times.shape)
 
 
 class MovedTrajectory(Trajectory):
@@ -461,7 +458,7 @@ class MovedTrajectory(Trajectory):
             )
             if reduced.status != "equilibrium":
                 end = reduced.t_end + delay
-        found = (
+        description = (
             reduced._pieces,
             reduced.status,
             message,
@@ -470,7 +467,9 @@ class MovedTrajectory(Trajectory):
             reduced.digits,
         )
         super().__init__(
-            reduced.parameters, lambda: [self._event(event) for event in reduced.events], *found
+            reduced.parameters,
+            lambda: [self._event(event) for event in reduced.events],
+            *description,
         )
 
     def _event(self, event: Event) -> Event:

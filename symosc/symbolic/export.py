@@ -354,6 +354,7 @@ def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
     for argument in node.args.args:
         argument.annotation = None
     node.returns = None
+    node.decorator_list = []
     what = re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", _first_paragraph(node))
     node.body[0] = ast.Expr(ast.Constant(what))
     return ast.fix_missing_locations(node)

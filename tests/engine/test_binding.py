@@ -19,15 +19,11 @@ import pytest
 
 from symosc import load_scene
 from symosc.base.errors import CodeCacheWarning
-from symosc.engine.arithmetic import (
-    SOURCES,
-    MpArithmetic,
-    column_functions,
-    compile_modules,
-    functions_of,
-    is_compiled,
-)
-from symosc.kernels import elementary
+from symosc.engine import tangent
+from symosc.engine.arithmetic import IN_DOUBLES_ONLY, SOURCES, MpArithmetic, column_functions
+from symosc.kernels import elementary, entire_array, formulas, mapping
+from symosc.kernels.compiling import compile_modules, is_compiled
+from symosc.kernels.rebind import functions_of, outlined_in
 
 pytest.importorskip("numba")
 
@@ -37,7 +33,7 @@ RUN = """
 import sys
 sys.path.insert(0, sys.argv[1])
 import callee, caller
-from symosc.engine.arithmetic import compile_modules, is_compiled
+from symosc.kernels.compiling import compile_modules, is_compiled
 together = compile_modules((callee, caller))["outer"]
 apart = compile_modules((caller,), callees=compile_modules((callee,)))["outer"]
 before = is_compiled(together), is_compiled(apart)
@@ -80,7 +76,7 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
     """Return what compiles a function as a new program would, with the cache folder in `tmp_path`."""
     import numba
 
-    from symosc.engine import code_cache
+    from symosc.kernels import code_cache
 
     (tmp_path / "tiny.py").write_text("def twice(x): return 2 * x\n")
     monkeypatch.syspath_prepend(str(tmp_path))
@@ -118,6 +114,29 @@ def test_damaged_compiled_code_is_compiled_anew(
     assert sum(again.stats.cache_hits.values()) == 1
 
 
+def test_an_error_that_is_no_damage_deletes_no_compiled_code(
+    tiny: Callable[[], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Code that needs a module which cannot be imported just now is still good afterwards."""
+    from symosc.kernels.code_cache import _CheckedFiles
+
+    assert tiny()(3) == 6
+    before = {path: path.read_bytes() for path in (tmp_path / "cache").rglob("*.nb?")}
+
+    def failing(self: Any, name: str) -> Any:
+        raise ImportError("no such library")
+
+    with monkeypatch.context() as patched:
+        patched.setattr(_CheckedFiles, "_load_data", failing)
+        patched.setattr(_CheckedFiles, "save", lambda *entry: None)
+        with pytest.warns(CodeCacheWarning, match="cannot be read: ImportError: no such library"):
+            assert tiny()(4) == 8
+    assert {path: path.read_bytes() for path in (tmp_path / "cache").rglob("*.nb?")} == before
+    again = tiny()
+    assert again(5) == 10
+    assert sum(again.stats.cache_hits.values()) == 1
+
+
 def test_without_a_folder_for_compiled_code_there_is_one_warning(
     tiny: Callable[[], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -132,6 +151,20 @@ def test_without_a_folder_for_compiled_code_there_is_one_warning(
     with pytest.warns(CodeCacheWarning, match="cannot be kept.*NUMBA_CACHE_DIR") as said:
         assert [function(3) for function in functions] == [6, 6]
     assert len(said) == 1
+
+
+def test_every_file_with_other_globals_says_so() -> None:
+    """Where a name does not mean what the import above it says, the reader is told."""
+    for module in (*SOURCES, *IN_DOUBLES_ONLY, mapping, tangent, entire_array, formulas):
+        assert "This file is executed with other globals" in (module.__doc__ or ""), module
+
+
+def test_a_mark_on_the_function_says_what_is_not_inlined() -> None:
+    """The mark stays beside the function, so that renaming it loses nothing."""
+    marked = outlined_in(SOURCES)
+    assert {"stepped", "follow_one", "series"} <= marked
+    assert "state_at" not in marked
+    assert marked < functions_of(SOURCES).keys()
 
 
 # -- one binder for all arithmetics ------------------------------------------------------------------------------------
@@ -175,6 +208,6 @@ def test_functions_of_columns_have_the_bits_of_single_numbers() -> None:
     own = column_functions()
     x = np.random.default_rng(1).uniform(-700, 700, 20_000)
     for name in ("sin", "cos", "exp", "expm1"):
-        assert own[name](x).tolist() == [getattr(elementary, name)(each) for each in x.tolist()]
+        assert own[name](x).tolist() == [getattr(elementary, name)(entry) for entry in x.tolist()]
         assert own["basis"].__globals__["np"].__dict__[name] is own[name]
     assert own["sin"](np.array([1e7])) == elementary.sin(1e7)

@@ -14,16 +14,16 @@ from symosc.engine import flow
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import ConstantRows
 from symosc.model import by_name
-from symosc.simulation.batch import INTERPRETED
+from symosc.simulation.loops import INTERPRETED
 from symosc.simulation.problems import ParameterSets
 
 
-def assert_as_alone(found: np.ndarray, sets: list[Parameters]) -> None:
+def assert_as_alone(computed: np.ndarray, sets: list[Parameters]) -> None:
     """Compare flags, and numbers but for the last bits."""
-    for row, p in zip(ConstantRows(found), sets, strict=True):
+    for row, p in zip(ConstantRows(computed), sets, strict=True):
         K = Arithmetic(p).K
         for name in flow.Constants._fields:
-            mine, right = (np.atleast_1d(getattr(each, name)).astype(float) for each in (row, K))
+            mine, right = (np.atleast_1d(getattr(entry, name)).astype(float) for entry in (row, K))
             np.testing.assert_allclose(mine, right, rtol=1e-14, atol=1e-30, err_msg=f"{name} {p}")
 
 
@@ -37,13 +37,13 @@ def test_columns_of_doubles_are_the_decimals_that_they_print_as() -> None:
     rng = np.random.default_rng(5)
     base = by_name(load_scene("fig9").parameters, float)
     columns = base | {"Omega": rng.uniform(1, 6, 40), "c": np.round(rng.uniform(0, 1, 40), 2)}
-    given = ParameterSets(columns)
+    arguments = ParameterSets(columns)
     single = [
         Parameters(**{name: np.broadcast_to(columns[name], 40)[i] for name in base})
         for i in range(40)
     ]
-    assert [given[i] for i in range(40)] == single
-    whole = given.table(slice(0, 40), INTERPRETED.march_rows)
+    assert [arguments[i] for i in range(40)] == single
+    whole = arguments.table(slice(0, 40), INTERPRETED.march_rows)
     assert_as_alone(whole, single)
     part = {name: np.broadcast_to(column, 40)[7:8] for name, column in columns.items()}
     alone = ParameterSets(part).table(slice(0, 1), INTERPRETED.march_rows)

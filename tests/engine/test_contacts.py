@@ -251,12 +251,12 @@ def test_a_touch_where_two_searches_meet(offset: float) -> None:
         mapping = "P5"
     scene = at_a_seam(random.Random(f"seam {mapping} {offset}"), mapping, offset)
     for digits in (None, 17):
-        found = simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, digits=digits)
-        assert [(event.kind, event.boundary) for event in found.events] == [
+        motion = simulate(scene.p, t0=0, x0=scene.x0, v0=scene.v0, t_end=scene.t_end, digits=digits)
+        assert [(event.kind, event.boundary) for event in motion.events] == [
             ("graze", scene.boundary)
         ] * len(scene.times)
-        assert [float(event.t) for event in found.events] == pytest.approx(scene.times, rel=1e-10)
-        assert found.status == "t_end"
+        assert [float(event.t) for event in motion.events] == pytest.approx(scene.times, rel=1e-10)
+        assert motion.status == "t_end"
 
 
 # -- contacts at the very end ------------------------------------------------------------------------------------------
@@ -277,9 +277,9 @@ def test_a_crossing_exactly_at_the_end_is_not_in_doubt(digits: int | None) -> No
         )  # fmt: skip
         v0 = Fraction(rng.randint(-40, -1), 10)
         t = -v0 * p.m / p.A(2)
-        found = simulate(p, t0=0, x0=0, v0=v0, t_end=t, digits=digits)
-        assert found.status in ("t_end", "equilibrium")
-        assert len(found.events) <= 1
+        motion = simulate(p, t0=0, x0=0, v0=v0, t_end=t, digits=digits)
+        assert motion.status in ("t_end", "equilibrium")
+        assert len(motion.events) <= 1
         later = simulate(p, t0=0, x0=0, v0=v0, t_end=t + Fraction(1, 10**6), digits=digits)
         assert [float(event.t) for event in later.events] == pytest.approx([float(t)], rel=1e-14)
 
@@ -288,9 +288,9 @@ def test_a_crossing_exactly_at_the_end_is_not_in_doubt(digits: int | None) -> No
 def test_a_motion_may_end_at_any_of_its_events_as_doubles_have_them(name: str) -> None:
     """What is left then may be a little less than nothing."""
     for event in simulate(name, t_end=12).events:
-        found = simulate(name, t_end=event.t)
-        assert found.status == "t_end"
-        assert len(found.events) <= len(simulate(name, t_end=event.t * (1 + 1e-12)).events)
+        motion = simulate(name, t_end=event.t)
+        assert motion.status == "t_end"
+        assert len(motion.events) <= len(simulate(name, t_end=event.t * (1 + 1e-12)).events)
 
 
 REST = {

@@ -83,8 +83,8 @@ def followed(start: Start, arithmetic: MpArithmetic) -> motion.Motion:
 def test_the_events_are_those_of_mpmath(count: int) -> None:
     seen = 0
     for seed in range(count):
-        p, given = problem(seed)
-        start = Start(p, **{name: Fraction(value) for name, value in given.items()})
+        p, arguments = problem(seed)
+        start = Start(p, **{name: Fraction(value) for name, value in arguments.items()})
         digits = random.Random(seed).choice((20, 36, 60, 111))
         fast, plain = (MpArithmetic(p, digits, fast) for fast in (True, False))
         assert fast.following is not fast.namespace
@@ -179,7 +179,7 @@ def in_threads(jobs: list[Job], repeats: int = 3) -> None:
     with ThreadPoolExecutor(THREADS) as pool:
         together = list(pool.map(lambda n: (n, repr(jobs[n]()), mpmath.mp.prec), order))
     assert {seen for _, _, seen in together} == {prec}
-    assert [n for n, found, _ in together if found != alone[n]] == []
+    assert [n for n, computed, _ in together if computed != alone[n]] == []
     assert [repr(job()) for job in jobs] == alone
 
 

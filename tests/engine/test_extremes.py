@@ -39,7 +39,7 @@ def test_no_sample_is_beyond_the_extremes_and_they_are_reached(seed: int) -> Non
     dice = random.Random(seed)
     for p in random_sets(seed, 12):
         K, start, x, last = flight(p, dice)
-        found = extremes_of(K, start, x, last)
+        computed = extremes_of(K, start, x, last)
         points = [state_at(tau, start, K) for tau in np.linspace(0, last.tau, 300)[1:-1].tolist()]
         sampled = np.array(
             [
@@ -50,8 +50,8 @@ def test_no_sample_is_beyond_the_extremes_and_they_are_reached(seed: int) -> Non
         )
         size = abs(sampled).max()
         gaps = (
-            np.array(found)[[0, 2]] - sampled.min(axis=0),
-            sampled.max(axis=0) - np.array(found)[[1, 3]],
+            np.array(computed)[[0, 2]] - sampled.min(axis=0),
+            sampled.max(axis=0) - np.array(computed)[[1, 3]],
         )
         assert max(map(np.max, gaps)) <= 1e-14 * size, p
         assert min(map(np.min, gaps)) >= -1e-2 * size, p

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from symosc import Parameters
 from symosc.engine import first_exit as exits
-from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.arithmetic import Arithmetic, MpArithmetic
 from symosc.engine.first_exit import (
     belt_exit,
     first_exit,
@@ -25,17 +25,15 @@ from symosc.engine.first_exit import (
     positive_on,
     safe_step,
 )
-from symosc.engine.flow import BeltConstants, Constants, derivatives, state_at
+from symosc.engine.flow import BeltConstants, Constants, derivatives, state_at, velocity_scale
 from symosc.engine.state import HIT, NOTHING, TANGENCY, Covariance, Flown, Launch, State, Walls
+from symosc.kernels.entire import EPS
 
 pytestmark = pytest.mark.usefixtures("interpreted")
 
 
-def constants_of(rng: random.Random, **fixed: object) -> Constants:
-    """Return constants of random parameters.
-
-    Under- and overdamped, near resonance and far from it.
-    """
+def parameters_of(rng: random.Random, **fixed: object) -> Parameters:
+    """Return random parameters: under- and overdamped, near resonance and far from it."""
     numbers = {
         name: round(10 ** rng.uniform(-1, 1), 6) for name in ("m", "c", "k", "B0", "Omega", "FN")
     }
@@ -44,8 +42,12 @@ def constants_of(rng: random.Random, **fixed: object) -> Constants:
             "k": numbers["m"] * numbers["Omega"] ** 2,
             "c": round(10 ** rng.uniform(-9, -2), 12),
         }
-    p = Parameters(**(numbers | {"A0": 1, "v1": -1, "v2": 1, "mu1": 0.3, "mu2": 0.2} | fixed))
-    return Arithmetic(p).K
+    return Parameters(**(numbers | {"A0": 1, "v1": -1, "v2": 1, "mu1": 0.3, "mu2": 0.2} | fixed))
+
+
+def constants_of(rng: random.Random, **fixed: object) -> Constants:
+    """Return constants of random parameters."""
+    return Arithmetic(parameters_of(rng, **fixed)).K
 
 
 @pytest.mark.slow
@@ -90,8 +92,8 @@ def test_a_root_near_0_is_found_to_the_resolution() -> None:
         if abs(root) * (abs(G1) + abs(G2) + abs(G3)) > 0.2 * abs(F):
             continue  # then another root may be as near
         over = -(F + (G1 / 2 + (G2 / 6 + G3 / 24 * root) * root) * root) * root
-        found = exits.local_root(over, F, G1, G2, G3, resolution)
-        assert abs(found - root) <= resolution + 1e-15
+        computed = exits.local_root(over, F, G1, G2, G3, resolution)
+        assert abs(computed - root) <= resolution + 1e-15
 
 
 COEFFICIENTS = st.floats(-5, 5)
@@ -128,6 +130,28 @@ def test_a_safe_step_stays_before_the_first_root(
     assert 0 < step <= first * (1 + 1e-9)
     if root < 10.0:
         assert root == pytest.approx(first, rel=1e-4)
+
+
+def test_gaps_are_wrong_by_few_roundings() -> None:
+    """A gap in doubles beside the same one with 40 digits: at most 6 of the 64 units of ROUNDING."""
+    rng = random.Random(9)
+    worst = 0.0
+    for _ in range(40):
+        p = parameters_of(rng)
+        K = Arithmetic(p).K
+        finer = MpArithmetic(p, 40, fast=False)
+        number = finer.context.mpf
+        theta = rng.uniform(0, 6.28)
+        start = Launch(rng.uniform(-3, 3), rng.uniform(-20, 20), math.sin(theta), math.cos(theta))
+        exact_start = Launch(*map(number, start))
+        for _ in range(20):
+            tau = K.chunk * rng.random() ** 3
+            now = state_at(tau, start, K)
+            exact = finer.namespace["state_at"](number(tau), exact_start, finer.K)
+            size = velocity_scale(tau, start.v, start.F, K)
+            size += (abs(K.f0) + K.cm * abs(start.v)) * abs(now.E1)
+            worst = max(worst, float(abs(now.dv - exact.dv)) / (EPS * size))
+    assert 1.0 < worst <= 6.0
 
 
 def test_the_fourth_derivative_stays_within_its_bound() -> None:
@@ -168,24 +192,24 @@ def test_a_wall_that_is_met_in_a_step_is_met_once_and_first() -> None:
             continue
         start, now = launched(rng.uniform(-0.9, 0.9), rng.uniform(-9, 9), rng.uniform(0, 6.28), K)
         walls = Walls(start.v + 1, 1 - start.v, True, True, False, False)
-        found = march(K.chunk, start.v, now, walls, 0.0, K)
-        sides[found.side] += 1
-        if found.side != 0:
-            low = found.now.tau
-            high = found.there.tau
+        computed = march(K.chunk, start.v, now, walls, 0.0, K)
+        sides[computed.side] += 1
+        if computed.side != 0:
+            low = computed.now.tau
+            high = computed.there.tau
             assert low < high < K.chunk
-            assert found.there.dv == pytest.approx(
+            assert computed.there.dv == pytest.approx(
                 state_at(high, start, K).dv, abs=1e-12 * (2 + K.V0 + abs(start.F))
             )
             beyond = [
-                found.side * (start.v + state_at(t, start, K).dv) > 1
+                computed.side * (start.v + state_at(t, start, K).dv) > 1
                 for t in np.linspace(low, high, 60)
             ]
             assert beyond == sorted(beyond)
             assert not beyond[0]
             assert beyond[-1]
             assert all(
-                -found.side * (start.v + state_at(t, start, K).dv) < 1
+                -computed.side * (start.v + state_at(t, start, K).dv) < 1
                 for t in np.linspace(low, high, 60)
             )
     assert min(sides.values()) > 5

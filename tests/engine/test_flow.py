@@ -45,11 +45,11 @@ def exact_flight(p: Parameters, start: Launch, tau: Any) -> list[Any]:
     z = mpmath.expm(M * tau, method="taylor") * mpmath.matrix(
         [mpmath.mpf(value) for value in start]
     )
-    found = [z[0]]
+    computed = [z[0]]
     for _ in range(5):
         z = M * z
-        found.append(z[0])
-    return found
+        computed.append(z[0])
+    return computed
 
 
 @pytest.mark.parametrize("digits", [None, 30])

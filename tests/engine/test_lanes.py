@@ -60,8 +60,8 @@ def followed(
     batch, table = Problems(p, starts, starts[:, 0] + span, None).begin(
         slice(0, len(starts)), functions["march_rows"]
     )
-    given = np.zeros((OF_MOTION, width))
-    found = np.zeros((OF_RESULT, width))
+    arguments = np.zeros((OF_MOTION, width))
+    computed = np.zeros((OF_RESULT, width))
     K = ConstantRows(table)[0]
     if suits_lanes(K):
         running = set(range(len(starts)))
@@ -78,8 +78,8 @@ def followed(
                 continue
             # lanes without a motion have one of any other's states
             chosen = batch.states[[members[n % len(members)] for n in range(width)]]
-            given[:] = np.array(chosen.tolist()).T
-            flags = functions["block"](flights, given, found, accuracy, table[0])
+            arguments[:] = np.array(chosen.tolist()).T
+            flags = functions["block"](flights, arguments, computed, accuracy, table[0])
             for lane, i in enumerate(members):
                 before = state_of(batch.states[i])
                 event = advance(before, *end_by_phase(batch.states[i], K)[:2], K)
@@ -87,7 +87,7 @@ def followed(
                 if flags >> lane & 1:
                     good += 1
                     assert event.decided
-                    there = found[[KIND, BELT_THERE, T_ERROR], lane].tolist()
+                    there = computed[[KIND, BELT_THERE, T_ERROR], lane].tolist()
                     assert there == [event.code, event.boundary, event.t_error], (p, i)
                     s = event.state
                     t0 = batch.states[i].t0
@@ -100,7 +100,7 @@ def followed(
                 keep_state(batch.states[i], event.state)
                 if flags >> lane & 1:
                     state = np.array(batch.states[i].item()[:OF_STATE])
-                    assert state.tobytes() == found[:OF_STATE, lane].tobytes(), (p, i)
+                    assert state.tobytes() == computed[:OF_STATE, lane].tobytes(), (p, i)
     return good, tried
 
 
@@ -168,6 +168,10 @@ def test_a_motion_has_no_neighbours(number: int) -> None:
                     of_one = columns | {"Omega": columns["Omega"][i]}
                 alone = simulate_many(of_one, starts[i], starts[i, 0] + span, **call)
                 for name in vars(alone):
-                    one = getattr(alone, name)
+                    first = getattr(alone, name)
                     many = getattr(whole, name)[i : i + 1]
-                    assert np.array_equal(one, many, equal_nan=one.dtype.kind == "f"), (p, i, name)
+                    assert np.array_equal(first, many, equal_nan=first.dtype.kind == "f"), (
+                        p,
+                        i,
+                        name,
+                    )

@@ -50,13 +50,15 @@ def test_errors_travel_through_events_as_pushed_starts_do() -> None:
         )
         x0 = tenths(rng, -30, 30)
         v0 = tenths(rng, -9, 14)
-        found = simulate(p, t0=0, x0=x0, v0=v0, t_end=6, start_error=(0, push, 0), digits=25).events
+        motion = simulate(
+            p, t0=0, x0=x0, v0=v0, t_end=6, start_error=(0, push, 0), digits=25
+        ).events
         plain, moved = (shifted(p, x0, v0, amount, 6) for amount in (Fraction(0), push / 1000))
-        for event, other, further in zip(found, plain, moved, strict=True):
+        for event, second, further in zip(motion, plain, moved, strict=True):
             kinds.add(event.kind)
-            at_event = 1000 * float(abs(further.t - other.t))
+            at_event = 1000 * float(abs(further.t - second.t))
             assert event.t_error == pytest.approx(sqrt(3) * at_event, rel=1e-3, abs=1e-20)
-            x_moved = 1000 * float(abs(further.x - other.x))
+            x_moved = 1000 * float(abs(further.x - second.x))
             assert event.x_error >= 0.999 * sqrt(3) * x_moved - 1e-20
             assert (
                 event.x_error
@@ -127,12 +129,12 @@ def assert_alike(near: NextEvent, full: NextEvent) -> None:
         assert abs(exact(a) - exact(b)) <= FINE * max(1, abs(int(b)))
 
 
-def compared(path: Motion, state: Any, end: Any, rough: State, found: NextEvent) -> NextEvent:
+def compared(path: Motion, state: Any, end: Any, rough: State, computed: NextEvent) -> NextEvent:
     """Check a step against one that searches with many digits, and return it."""
-    free = open_free_time(found, rough, Arithmetic(path.start.parameters).K)
+    free = open_free_time(computed, rough, Arithmetic(path.start.parameters).K)
     functions = path.arithmetic.following
     with path.arithmetic.precision():
-        near: NextEvent = functions["advance_near"](state, rough, found, free, *end, path.K)
+        near: NextEvent = functions["advance_near"](state, rough, computed, free, *end, path.K)
         assert_alike(near, functions["advance"](state, *end, path.K))
     return near
 
@@ -164,24 +166,24 @@ def drawn(rng: random.Random) -> tuple[Parameters, Fraction, Fraction, Fraction]
 def steps(start: Start, most: int) -> list[tuple[Any, ...]]:
     """Return what each step of the engine ends with, without asking for more digits."""
     own = Arithmetic(start.parameters)
-    found = list[tuple[Any, ...]]()
+    computed = list[tuple[Any, ...]]()
     K = own.K
     state = first_state(start, own)
     t0 = float(start.t0)
     t_end, low = last_time(start, own)
     low = low - (t_end - t0) * K.Om_gain
     errors = (0.0, 0.0)
-    while len(found) < most:
+    while len(computed) < most:
         code, _, decided, t_error, s = advance(state, t_end, low, K)
         if code <= GRAZE:
             _, *errors = time_with_errors(s.t, s.t_low, t0, s.x, s.v, t_error, s.S.S11, K)
-        found.append(
+        computed.append(
             (code, decided, s.mode, s.at, s.n, s.theta, s.x, s.v, s.Fb, s.Fa, *s.S, s.t, *errors)
         )
         if code in (END, REST, FAILED):
             break
         state = s
-    return found
+    return computed
 
 
 def factors(units: Units) -> list[float]:
@@ -213,11 +215,11 @@ def test_every_step_is_the_same_in_any_units(units: Units) -> None:
         errors = rng.choice([None, (Fraction(0), Fraction(1, 2**20), Fraction(1, 2**22))])
         scaled = errors and (Fraction(0), errors[1] * L, errors[2] * L / T)
         plain = steps(Start(p, t0, x0, v0, end, errors), 25)
-        other = steps(Start(units.of(p), t0 * T, x0 * L, v0 * L / T, end * T, scaled), 25)
-        assert len(plain) == len(other)
-        for one, two in zip(plain, other, strict=True):
+        second = steps(Start(units.of(p), t0 * T, x0 * L, v0 * L / T, end * T, scaled), 25)
+        assert len(plain) == len(second)
+        for first, two in zip(plain, second, strict=True):
             assert two == tuple(
-                value * factor for value, factor in zip(one, factors(units), strict=True)
+                value * factor for value, factor in zip(first, factors(units), strict=True)
             )
         count += len(plain)
     assert count > 100

@@ -249,12 +249,16 @@ def a_restart_on_the_way_changes_nothing(start: Start, part: int) -> None:
     later = [event for event in trajectory.events if event.t > t]
     restarted = run(again)
     assert not determined or len(restarted.events) == len(later)
-    for event, other, condition in zip(restarted.events, later, conditions, strict=False):
-        assert (event.kind, event.source, event.target) == (other.kind, other.source, other.target)
+    for event, second, condition in zip(restarted.events, later, conditions, strict=False):
+        assert (event.kind, event.source, event.target) == (
+            second.kind,
+            second.source,
+            second.target,
+        )
         # the state in between was rounded: 1e-12 of the first leg and the rounding of x, v and t
         slack = 1e-12 + 1e-12 * max(1, abs(x)) * condition
-        assert abs(event.t - other.t) <= slack * max(1, abs(event.t))
-        assert abs(event.x - other.x) <= slack * max(1, abs(event.x))
+        assert abs(event.t - second.t) <= slack * max(1, abs(event.t))
+        assert abs(event.x - second.x) <= slack * max(1, abs(event.x))
 
 
 @pytest.mark.slow

@@ -80,17 +80,17 @@ def test_a_contact_within_reach_of_the_error_is_a_graze(which: str, exponent: in
         v0 = text(a.v0, 80)
         t_end = a.t_m + Fraction(1, 20)
         for digits in (None, 20):
-            found = simulate(
+            motion = simulate(
                 a.p, t0=a.t0, x0=x0, v0=v0, t_end=t_end, digits=digits, start_error=errors
             )
-            near = [event for event in found.events if abs(float(event.t - float(a.t_m))) < 1e-2]
+            near = [event for event in motion.events if abs(float(event.t - float(a.t_m))) < 1e-2]
             assert [event.kind for event in near][:1] == kinds, (
                 mapping,
                 part,
                 digits,
-                found.status,
+                motion.status,
             )
-            assert found.status == "t_end"
+            assert motion.status == "t_end"
         if part == 0.9:
             table = simulate_many(a.p, [a.t0, x0, v0], t_end, start_error=errors, use_numba=False)
             assert table.kind.tolist()[:1] == kinds
@@ -111,16 +111,16 @@ def test_the_errors_of_events_cover_that_of_the_start(mapping: str, digits: int 
     x0 = Fraction(text(a.x0, 10))
     v0 = Fraction(text(a.v0, 10))
     t_end = a.t_m + 5
-    found = simulate(a.p, t0=t0, x0=x0, v0=v0, t_end=t_end, digits=digits, start_error=errors)
+    motion = simulate(a.p, t0=t0, x0=x0, v0=v0, t_end=t_end, digits=digits, start_error=errors)
     plain = simulate(a.p, t0=t0, x0=x0, v0=v0, t_end=t_end, digits=25)
-    assert len(found.events) >= 2
+    assert len(motion.events) >= 2
     corners = []
     for signs in product((-1, 1), repeat=3):
         dt, dx, dv = (sign * error for sign, error in zip(signs, errors, strict=True))
         corners.append(
             simulate(a.p, t0=t0 + dt, x0=x0 + dx, v0=v0 + dv, t_end=t_end, digits=25).events
         )
-    for i, (event, middle) in enumerate(zip(found.events, plain.events, strict=True)):
+    for i, (event, middle) in enumerate(zip(motion.events, plain.events, strict=True)):
         moved_t = max(float(abs(corner[i].t - middle.t)) for corner in corners)
         moved_x = max(float(abs(corner[i].x - middle.x)) for corner in corners)
         assert moved_t <= 1.001 * event.t_error <= 10 * moved_t + 1e-15 * event.t
@@ -153,12 +153,12 @@ def test_a_force_within_reach_of_the_error_is_zero(
             exactly = simulate(p, t0=0, x0=x0, v0=v, t_end=1)
             falling = simulate(p, t0=0, x0=(p.A(alpha) + p.B0 - p.c * v) / p.k, v0=v, t_end=1)
             for digits in (None, 20):
-                found = simulate(p, t0=0, x0=x0, v0=v, t_end=1, start_error=errors, digits=digits)
+                motion = simulate(p, t0=0, x0=x0, v0=v, t_end=1, start_error=errors, digits=digits)
                 if abs(Fraction(part)) < 1:
                     expected = falling
                 else:
                     expected = exactly
-                assert found.mode(0.0) == expected.mode(0.0), (which, part)
+                assert motion.mode(0.0) == expected.mode(0.0), (which, part)
 
 
 @pytest.mark.slow

@@ -73,7 +73,7 @@ def test_roots_and_angles_of_pairs() -> None:
             def number(pair: tuple[float, float]) -> mpmath.mpf:
                 return mpmath.mpf(pair[0]) + mpmath.mpf(pair[1])
 
-            for found, right, bits in (
+            for computed, right, bits in (
                 (dd.pair_root(*y), mpmath.sqrt(number(y)), 99),
                 (
                     dd.pair_atan(*y, *r),
@@ -82,4 +82,4 @@ def test_roots_and_angles_of_pairs() -> None:
                 ),  # the series' tail is in doubles
                 (dd.pair_asin(*y, *r), mpmath.asin(number(y) / number(r)), 60),
             ):
-                assert abs(number(found) - right) <= 2.0**-bits * abs(right)
+                assert abs(number(computed) - right) <= 2.0**-bits * abs(right)

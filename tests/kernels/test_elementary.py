@@ -18,13 +18,13 @@ ULP = 2.0**-52
 
 def errors(name: str, arguments: list[float]) -> list[tuple[float, float]]:
     """Return the absolute and the relative error at each argument."""
-    found = []
+    computed = []
     with mp.workdps(60):
         for x in arguments:
             true = getattr(mpmath, name)(mpmath.mpf(x))
             error = abs(mpmath.mpf(float(getattr(elementary, name)(x))) - true)
-            found.append((float(error), float(error / abs(true)) if true else 0.0))
-    return found
+            computed.append((float(error), float(error / abs(true)) if true else 0.0))
+    return computed
 
 
 @pytest.mark.quick(3)

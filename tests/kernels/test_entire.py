@@ -107,9 +107,9 @@ def test_double_precision_is_accurate_in_every_regime(regime: str) -> None:
         longest = {"stiff": -3.0, "fast drive": -1.5}.get(regime, 0.8)
         tau = Fraction(10 ** rng.uniform(-6, longest))
         K = constants(p)
-        found = entire.basis(float(tau), K)[:5]
+        computed = entire.basis(float(tau), K)[:5]
         # exp(-h tau) and sin(w tau) cannot be better than their rounded arguments.
-        assert max(errors(found, oracle(p, tau))) < 12 + K.rate * float(tau), (p, float(tau))
+        assert max(errors(computed, oracle(p, tau))) < 12 + K.rate * float(tau), (p, float(tau))
 
 
 @pytest.mark.full(2)
@@ -128,7 +128,7 @@ def test_any_number_of_digits_is_accurate_in_every_regime(regime: str) -> None:
         tau = Fraction(10 ** (rng.uniform(-6, longest) if n % 3 else beside))
         t = context.mpf(tau.numerator) / tau.denominator
         truth = oracle(p, tau, 60)
-        found = {"mpmath": BasisMP(context, p)(t, K)[:5]}
+        computed = {"mpmath": BasisMP(context, p)(t, K)[:5]}
         if mpfr:
             inner = mpfr.mpfr_context(context.prec)
             before = inner.enter()
@@ -136,8 +136,8 @@ def test_any_number_of_digits_is_accurate_in_every_regime(regime: str) -> None:
                 mpfr.from_mpf(t), SimpleNamespace(rate=mpfr.from_mpf(K.rate))
             )
             inner.leave(before)
-            found["MPFR"] = tuple(mpfr.to_mpf(value, context) for value in values[:5])
-        for kind, numbers in found.items():
+            computed["MPFR"] = tuple(mpfr.to_mpf(value, context) for value in values[:5])
+        for kind, numbers in computed.items():
             assert max(errors(numbers, truth, 1e-40)) < 3, (kind, p, float(tau))
 
 
@@ -195,8 +195,8 @@ def test_no_cancellation_in_the_flow(count: int) -> None:
                 -K.f0 * s0 * I2,
             ]
             v_terms = [a0 * E1, -K.w0sq * v0 * E2, -K.fB * s0 * R2, -K.fB * c0 * I2]
-            found = state_at(float(tau), Launch(v0, a0, s0, c0), K)
-            for value, terms in ((found.dx, x_terms), (found.dv, v_terms)):
+            computed = state_at(float(tau), Launch(v0, a0, s0, c0), K)
+            for value, terms in ((computed.dx, x_terms), (computed.dv, v_terms)):
                 with mpmath.workdps(50):
                     assert abs(value - sum(terms)) <= 50 * ULP * sum(map(abs, terms)), (
                         p,

@@ -38,14 +38,14 @@ def test_formulas_are_right_to_thirty_digits(formula: Any) -> None:
         for _ in range(3)
     )
     doubts = np.zeros(500, bool)
-    found = formula(*(column(values, doubts) for values in (a, b, c)))
+    computed = formula(*(column(values, doubts) for values in (a, b, c)))
     terms = [
         (*row, row[0] * row[1], row[2] ** 2, (row[0] / row[1]) ** 2, 1)
         for row in zip(a, b, c, strict=True)
     ]
     sizes = [max(map(abs, row)) for row in terms]
     for i, row in enumerate(zip(a, b, c, strict=True)):
-        error = Fraction(float(found.hi[i])) + Fraction(float(found.lo[i])) - formula(*row)
+        error = Fraction(float(computed.hi[i])) + Fraction(float(computed.lo[i])) - formula(*row)
         assert abs(error) <= Fraction(1, 10**29) * max(sizes[i], sizes[i] / min(1, *row))
     assert not doubts.any()
 

@@ -12,8 +12,8 @@ from typing import Any
 import pytest
 from samples import sample_of
 
-from symosc.engine.arithmetic import bind
 from symosc.kernels.multiprecision import mp_context
+from symosc.kernels.rebind import bind
 
 numba = pytest.importorskip("numba")
 pairs = pytest.importorskip("symosc.kernels.pairs")
@@ -89,17 +89,17 @@ def numbers(count: int, seed: int) -> Iterator[Any]:
 @pytest.mark.slow
 @sample_of(400, 300_000)
 def test_operators_are_right_to_a_few_units(count: int) -> None:
-    given = zip(numbers(count, 1), numbers(count, 2), strict=True)
+    arguments = zip(numbers(count, 1), numbers(count, 2), strict=True)
     worst = dict.fromkeys(OPERATORS, 0.0)
-    for n, (a, b) in enumerate(given):
+    for n, (a, b) in enumerate(arguments):
         (a, x), (b, y) = (
             rounded(a),
             rounded(-a * (1 + EXACT.mpf(2) ** -(n % 104)) if n % 5 == 0 else b),
         )
         if not (x and y):
             continue
-        found, sizes, _, order, whole, branch = compiled()(a, b)
-        for (name, operation), value in zip(OPERATORS.items(), found, strict=True):
+        computed, sizes, _, order, whole, branch = compiled()(a, b)
+        for (name, operation), value in zip(OPERATORS.items(), computed, strict=True):
             truth = operation(x, y)
             assert value.real == float(value.real + value.imag)  # no overlap
             worst[name] = max(
@@ -151,17 +151,19 @@ def test_functions_are_as_exact_as_their_docstrings_say(count: int) -> None:
     worst = dict.fromkeys(("sin", "cos", "exp", "expm1", "sqrt"), 0.0)
     for number in numbers(count, 3):
         value, x = rounded(number)
-        found = dict(zip(worst, map(exact, compiled()(value, 1 + 0j)[2]), strict=True))
+        computed = dict(zip(worst, map(exact, compiled()(value, 1 + 0j)[2]), strict=True))
         for name in ("sin", "cos"):
-            worst[name] = max(worst[name], float(abs(found[name] - getattr(EXACT, name)(x))))
+            worst[name] = max(worst[name], float(abs(computed[name] - getattr(EXACT, name)(x))))
         if -670 < x < 709:
-            worst["exp"] = max(worst["exp"], float(abs(found["exp"] / EXACT.exp(x) - 1)))
+            worst["exp"] = max(worst["exp"], float(abs(computed["exp"] / EXACT.exp(x) - 1)))
         if -670 < x < 709 and x:
             worst["expm1"] = max(
-                worst["expm1"], float(abs(found["expm1"] / (EXACT.exp(x) - 1) - 1))
+                worst["expm1"], float(abs(computed["expm1"] / (EXACT.exp(x) - 1) - 1))
             )
         if x:
-            worst["sqrt"] = max(worst["sqrt"], float(abs(found["sqrt"] / EXACT.sqrt(abs(x)) - 1)))
+            worst["sqrt"] = max(
+                worst["sqrt"], float(abs(computed["sqrt"] / EXACT.sqrt(abs(x)) - 1))
+            )
     assert worst["sin"] < 1.8e-32, worst
     assert worst["cos"] < 1.8e-32, worst
     assert worst["exp"] < 3e-32, worst

@@ -36,7 +36,7 @@ from symosc.bench import (
 )
 from symosc.bench.event_logic import PeerError, from_now, problem, runner
 from symosc.bench.solvers import OURS, FoundEvent, Outcome, Solver, Worker
-from symosc.engine.arithmetic import bind
+from symosc.kernels.rebind import bind
 from symosc.mappings.equations import residual
 
 ABOUT = {"processor": "a processor", "cores": "2", "date": "a day", "symosc": "1.2", "numpy": "3.4"}

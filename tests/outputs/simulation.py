@@ -22,7 +22,7 @@ from said import errors_of, written
 from touches import steady
 
 from symosc import OtherModel, Parameters, Scene, Trajectory, simulate, simulate_many
-from symosc.simulation.batch import DOUBLES, PAIRS
+from symosc.simulation.loops import CHOICE
 from symosc.simulation.problems import NumberColumn, Problems
 
 SHIFTED = OtherModel(
@@ -114,7 +114,10 @@ def touching() -> Iterator[Any]:
 
 def interpreted(make: Callable[[], Iterator[Any]]) -> list[Any]:
     """Return what a case yields, without a compiler, however many events were followed before."""
-    with patch.object(DOUBLES, "events", 250_000), patch.object(PAIRS, "events", 25_000):
+    with (
+        patch.object(CHOICE.doubles, "events", 250_000),
+        patch.object(CHOICE.pairs, "events", 25_000),
+    ):
         return list(make())
 
 

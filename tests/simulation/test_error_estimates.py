@@ -21,10 +21,10 @@ from symosc.engine.state import END
 from symosc.simulation.motion import Motion
 
 
-def ratios(found: Any, exact: Any) -> list[float]:
+def ratios(computed: Any, exact: Any) -> list[float]:
     """Return the errors of t and x in units of their estimates, as far as the events are the same."""
     result = []
-    for event, right in zip(found.events, exact.events, strict=False):
+    for event, right in zip(computed.events, exact.events, strict=False):
         if (event.kind, event.source, event.target) != (right.kind, right.source, right.target):
             break
         for name in ("t", "x"):
@@ -35,24 +35,24 @@ def ratios(found: Any, exact: Any) -> list[float]:
 
 def sample(family: str, seeds: range, least: int) -> list[float]:
     """Return ratios of scenes of a family: doubles as they are, and with a closer look."""
-    found: list[float] = []
+    computed: list[float] = []
     for seed in seeds:
         p, start = FAMILIES[family](random.Random(f"{family} {seed}"))
         exact = simulate(p, digits=40, **start)
         for accuracy in (None, math.inf):
             trajectory = simulate(p, accuracy=accuracy, **start)
-            found += ratios(trajectory, exact)
+            computed += ratios(trajectory, exact)
             assert accuracy == math.inf or len(trajectory.events) == len(exact.events)
-    assert len(found) >= least
-    return found
+    assert len(computed) >= least
+    return computed
 
 
-def assert_good_estimates(found: list[float]) -> None:
+def assert_good_estimates(computed: list[float]) -> None:
     """At most one in a thousand beyond 5 estimates, none beyond 10.
 
     Half of them not far below the estimate.
     """
-    values = np.array(found)
+    values = np.array(computed)
     assert values.max() < 10
     assert np.count_nonzero(values > 5) <= len(values) / 1000
     assert np.median(values) > 0.04
@@ -78,7 +78,7 @@ def test_errors_of_numbers_that_are_cut_to_their_digits(digits: int) -> None:
 
     What is handed out has that many digits, and the error of that.
     """
-    found = []
+    computed = []
     for seed in range(3):
         for make in (ordinary, late):
             p, start = make(random.Random(f"cut {seed}"))
@@ -90,8 +90,8 @@ def test_errors_of_numbers_that_are_cut_to_their_digits(digits: int) -> None:
                     assert number == 0 or abs(float(number.context.eps)) < 3 * 10.0 ** (1 - digits)
             part = ratios(trajectory, exact)
             assert len(part) == 2 * len(exact.events)
-            found += part
-    values = np.array(found)
+            computed += part
+    values = np.array(computed)
     assert values.max() <= 1.5
     assert np.median(values) > 0.1
 
@@ -101,11 +101,11 @@ def test_a_late_clock_says_how_coarse_it_is() -> None:
     scene = load_scene("fig9")
     for t0 in (10**8, 10**12):
         start = {"t0": t0, "x0": scene.x0, "v0": scene.v0, "t_end": t0 + 20}
-        found = simulate(scene.parameters, **start)
+        motion = simulate(scene.parameters, **start)
         exact = simulate(scene.parameters, digits=40, **start)
-        assert max(ratios(found, exact)) < 2
-        assert all(1e-17 * t0 < event.t_error < 1e-15 * t0 for event in found.events)
-        assert all(event.x_error < 1e-13 for event in found.events)
+        assert max(ratios(motion, exact)) < 2
+        assert all(1e-17 * t0 < event.t_error < 1e-15 * t0 for event in motion.events)
+        assert all(event.x_error < 1e-13 for event in motion.events)
 
 
 def assert_on_the_orbit(
@@ -159,8 +159,8 @@ def test_errors_that_add_up_are_estimated(kind: str) -> None:
     )  # fmt: skip
     start = {"t0": 0, "x0": 1, "v0": "-1.1", "t_end": 2000, "max_events": 200}
     exact = simulate(p, digits=40, **start)
-    found = simulate(p, accuracy=math.inf, **start)
-    values = ratios(found, exact)
+    motion = simulate(p, accuracy=math.inf, **start)
+    values = ratios(motion, exact)
     assert len(values) == 400
     assert max(values) < 5
     assert np.median(values) > 0.04
@@ -218,9 +218,9 @@ def test_errors_that_were_once_underrated(source: str) -> None:
     numbers, start = UNDERRATED[source]
     p = Parameters(**numbers)
     exact = simulate(p, t0=0, digits=30, **start)
-    found = simulate(p, t0=0, accuracy=math.inf, **start)
-    assert len(ratios(found, exact)) == 2 * len(exact.events) >= 6
-    assert max(ratios(found, exact)) < 3
+    motion = simulate(p, t0=0, accuracy=math.inf, **start)
+    assert len(ratios(motion, exact)) == 2 * len(exact.events) >= 6
+    assert max(ratios(motion, exact)) < 3
 
 
 RESONANT = Parameters(
@@ -242,8 +242,8 @@ RESONANT = Parameters(
 def test_errors_at_undamped_resonance_are_estimated() -> None:
     start = {"t0": 0, "x0": "-8/5", "v0": "-27/10", "t_end": 2000, "max_events": 600}
     exact = simulate(RESONANT, digits=40, **start)
-    found = simulate(RESONANT, accuracy=math.inf, **start)
-    assert max(ratios(found, exact)) < 5
+    motion = simulate(RESONANT, accuracy=math.inf, **start)
+    assert max(ratios(motion, exact)) < 5
 
 
 @pytest.mark.slow
@@ -267,8 +267,8 @@ def test_a_long_locked_motion_ends_where_it_should(count: int) -> None:
         last = simulate_many(p, start, t_end, record=("x", "v"))
         for name in ("t", "x"):
             errors = [
-                abs(getattr(e, name) - found)
-                for e, found in zip(exact.events(), getattr(table, name), strict=True)
+                abs(getattr(e, name) - computed)
+                for e, computed in zip(exact.events(), getattr(table, name), strict=True)
             ]
             assert max(np.array(errors, float) / getattr(table, f"{name}_error")) < 3
         size = max(table.x_error[-4:])

@@ -139,7 +139,8 @@ def test_exact_grazes_are_what_the_oracle_finds() -> None:
         run = simulate_oracle(scene.p, scene.t0, scene.x0, scene.v0, scene.t_end, 40)
         assert [label(event) for event in run.events] == [label(event) for event in events]
         assert all(
-            abs(one.t - other.t) < 1e-25 for one, other in zip(run.events, events, strict=True)
+            abs(first.t - second.t) < 1e-25
+            for first, second in zip(run.events, events, strict=True)
         )
 
 
@@ -154,9 +155,9 @@ def test_both_oracles_agree(family: str) -> None:
         exact = truth_of(scene, simulate_oracle)
         fast = truth_of(scene, simulate_fast)
         assert [label(event) for event in exact.events] == [label(event) for event in fast.events]
-        for one, other in zip(exact.events, fast.events, strict=True):
-            assert abs(one.t - other.t) < 1e-20 * max(1, abs(one.t))
-            assert abs(one.x - other.x) < 1e-20 * max(1, abs(one.x))
+        for first, second in zip(exact.events, fast.events, strict=True):
+            assert abs(first.t - second.t) < 1e-20 * max(1, abs(first.t))
+            assert abs(first.x - second.x) < 1e-20 * max(1, abs(first.x))
 
 
 # -- the judge sees what is wrong -------------------------------------------------------------------------------------

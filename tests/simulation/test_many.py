@@ -34,7 +34,8 @@ from symosc import (
 )
 from symosc.engine.arithmetic import interpreted_pairs
 from symosc.engine.batch import EventRows
-from symosc.simulation.batch import DOUBLES, PAIRS, CancelToken, in_chunks
+from symosc.simulation.batch import CancelToken, in_chunks
+from symosc.simulation.loops import CHOICE
 from symosc.simulation.simulate import in_doubles, read_start
 from symosc.simulation.tables import EventTable
 
@@ -242,12 +243,12 @@ def fig8_like(seed: int) -> tuple[Parameters, list[tuple[Fraction, ...]]]:
     ]
 
 
-def assert_climbs(seed: int, most_starts: int, **given: Any) -> None:
+def assert_climbs(seed: int, most_starts: int, **arguments: Any) -> None:
     p, starts = fig8_like(seed)
     starts = starts[:most_starts]
-    table = simulate_many(p, starts, [t + 30 for t, _, _ in starts], **given)
+    table = simulate_many(p, starts, [t + 30 for t, _, _ in starts], **arguments)
     for i, (t0, x0, v0) in enumerate(starts):
-        alone = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t0 + 30, **given)
+        alone = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t0 + 30, **arguments)
         assert_same(table, i, alone, (seed, i))
         assert table[i].t_error.tolist() == [event.t_error for event in alone.events]
 
@@ -259,8 +260,8 @@ def test_events_of_pairs_are_those_of_many_digits(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     pytest.importorskip("numba")
-    monkeypatch.setattr(PAIRS, "events", 0)
-    monkeypatch.setattr(DOUBLES, "events", 0)
+    monkeypatch.setattr(CHOICE.pairs, "events", 0)
+    monkeypatch.setattr(CHOICE.doubles, "events", 0)
     for seed in range(count):
         accuracy, most = random.Random(seed).choice(((1e-15, None), (5e-16, 40), (3e-16, 7)))
         assert_climbs(seed, 6, accuracy=accuracy, max_events=most)
@@ -292,17 +293,17 @@ def test_more_digits_from_the_start_need_not_step_as_pairs_did() -> None:
         mu2="0.054", FN="2.86",
     )  # fmt: skip
     start: dict[str, Any] = {"t0": 0, "x0": "-8915/2862", "v0": "0.8"}
-    found = in_doubles(
+    computed = in_doubles(
         read_start(p, {**start, "t_end": 50}, None), 10, 1e-13, loops=interpreted_pairs()
     )
     known = simulate(p, **start, t_end=50, digits=25)
-    assert found.status == "t_end"
+    assert computed.status == "t_end"
     assert (
-        [event.kind for event in found.events]
+        [event.kind for event in computed.events]
         == [event.kind for event in known.events]
         == ["stick", "slip"]
     )
-    for event, there in zip(found.events, known.events, strict=True):
+    for event, there in zip(computed.events, known.events, strict=True):
         assert event.t == pytest.approx(float(there.t), rel=1e-14)
 
 

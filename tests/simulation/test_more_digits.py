@@ -60,12 +60,12 @@ def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(motion, "MOST_FAST", 60)
-    found = simulate(limit(150), t_end=400)
-    assert (found.status, list(found.events)) == ("undecidable", [])
+    computed = simulate(limit(150), t_end=400)
+    assert (computed.status, list(computed.events)) == ("undecidable", [])
     near, digits, advice = re.findall(
-        r"near t = (\S+) cannot be decided with (\d+) digits; .*digits=(\d+)", found.message
+        r"near t = (\S+) cannot be decided with (\d+) digits; .*digits=(\d+)", computed.message
     )[0]
-    assert 40 < found.t_end == float(near) < 150 * math.log(10)
+    assert 40 < computed.t_end == float(near) < 150 * math.log(10)
     assert int(advice) == 2 * int(digits)
     (event,) = simulate(limit(150), t_end=400, digits=int(advice)).events
     assert float(event.t) == pytest.approx(150 * math.log(10), rel=1e-9)
@@ -75,12 +75,12 @@ def test_a_contact_that_stays_open_ends_the_motion_and_says_what_to_ask_for(
 def test_more_digits_than_anybody_waits_for_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     """All events before are right, and the message says where more digits would go on."""
     monkeypatch.setattr(motion, "MOST_GRAZE", 60)
-    found = simulate("fig8", t_end=160)
+    computed = simulate("fig8", t_end=160)
     whole = simulate("fig8", t_end=160, digits=150)
-    assert (found.status, whole.status) == ("undecidable", "t_end")
-    assert 140 < found.t_end < 160
-    assert "with 87 digits" in found.message
-    for event, right in zip(found.events, whole.events, strict=False):
+    assert (computed.status, whole.status) == ("undecidable", "t_end")
+    assert 140 < computed.t_end < 160
+    assert "with 87 digits" in computed.message
+    for event, right in zip(computed.events, whole.events, strict=False):
         assert (event.kind, event.target, event.t, event.x) == (
             right.kind,
             right.target,
@@ -92,10 +92,10 @@ def test_more_digits_than_anybody_waits_for_are_not_taken(monkeypatch: pytest.Mo
 @pytest.mark.slow
 def test_digits_are_raised_until_events_are_known_to_them() -> None:
     scene = load_scene("fig8")
-    found = simulate(scene, t_end=50, digits=20)
+    motion = simulate(scene, t_end=50, digits=20)
     run = simulate_oracle(scene.parameters, scene.t0, scene.x0, scene.v0, 50, 70)
-    assert_agrees(found, run, 1e-19)
-    assert max(event.t_error / event.t for event in found.events) < 1e-19
+    assert_agrees(motion, run, 1e-19)
+    assert max(event.t_error / event.t for event in motion.events) < 1e-19
 
 
 def test_how_many_digits_a_graze_takes() -> None:
@@ -129,8 +129,8 @@ def test_how_many_digits_a_graze_takes() -> None:
     )  # x = 2/5 + sin t
     elapsed = 1000 * float(p.m / p.c)
     for push, few in ((Fraction(0), True), (Fraction(1, 10**30), False)):
-        one = Motion(Start(p, Fraction(0), Fraction(2, 5) + push, Fraction(1), Fraction(9)), 40)
-        assert (digits_to_confirm_graze(one, elapsed, 40) == 3 * 40) is few
+        first = Motion(Start(p, Fraction(0), Fraction(2, 5) + push, Fraction(1), Fraction(9)), 40)
+        assert (digits_to_confirm_graze(first, elapsed, 40) == 3 * 40) is few
 
 
 def test_grazes_of_a_motion_that_repeats_are_grazes_in_doubles_too() -> None:
@@ -143,8 +143,8 @@ def test_grazes_of_a_motion_that_repeats_are_grazes_in_doubles_too() -> None:
         mu2="0.47", FN="5.02",
     )  # fmt: skip
     for digits in (None, 20):
-        found = simulate(p, x0="-2.857", v0="1.5", t_end="6.1647", digits=digits)
-        assert [event.kind for event in found.events] == ["stick", "slip", *["graze"] * 7]
+        motion = simulate(p, x0="-2.857", v0="1.5", t_end="6.1647", digits=digits)
+        assert [event.kind for event in motion.events] == ["stick", "slip", *["graze"] * 7]
 
 
 def test_a_graze_is_decided_by_what_is_behind_the_digits() -> None:
@@ -155,7 +155,7 @@ def test_a_graze_is_decided_by_what_is_behind_the_digits() -> None:
     a = aimed("near miss", "P5", Fraction(-1, 10**33))
     kinds = {}
     for digits in (None, 20, 40):
-        found = simulate(
+        motion = simulate(
             a.p,
             t0=a.t0,
             x0=text(a.x0, 80),
@@ -163,6 +163,6 @@ def test_a_graze_is_decided_by_what_is_behind_the_digits() -> None:
             t_end=a.t_m + Fraction(1, 20),
             digits=digits,
         )
-        kinds[digits] = (found.status, [event.kind for event in found.events])
+        kinds[digits] = (motion.status, [event.kind for event in motion.events])
     assert kinds[20] == kinds[40] == ("t_end", [])
     assert kinds[None] in (("t_end", []), ("undecidable", []))

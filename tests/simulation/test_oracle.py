@@ -172,7 +172,7 @@ def test_scipy_finds_the_same_events(seed: int) -> None:
 
 def test_roots_of_a_polynomial_with_known_ones() -> None:
     bits = 300
-    one = 1 << bits
+    first = 1 << bits
 
     def expand(roots: list[Fraction]) -> list[int]:
         series = [Fraction(1)]
@@ -181,7 +181,7 @@ def test_roots_of_a_polynomial_with_known_ones() -> None:
                 a - root * b
                 for a, b in zip([Fraction(0), *series], [*series, Fraction(0)], strict=True)
             ]
-        return [round(coefficient * one) for coefficient in series]
+        return [round(coefficient * first) for coefficient in series]
 
     close = Fraction(1, 3) + Fraction(1, 10**40)
     cases = {
@@ -195,14 +195,14 @@ def test_roots_of_a_polynomial_with_known_ones() -> None:
         (Fraction(-1), Fraction(2)): None,
     }
     for roots, expected in cases.items():
-        found = first_root(expand(list(roots)), bits, one >> 285)
+        computed = first_root(expand(list(roots)), bits, first >> 285)
         if expected is None:
-            assert found is None
+            assert computed is None
         else:
-            assert found is not None
-            assert found[1] == expected[1]
-            assert abs(Fraction(found[0], one) - expected[0]) < Fraction(1, 10**41)
+            assert computed is not None
+            assert computed[1] == expected[1]
+            assert abs(Fraction(computed[0], first) - expected[0]) < Fraction(1, 10**41)
     many = [Fraction(n, 23) for n in range(3, 22)]
-    found = first_root(expand(many), bits, 0)
-    assert found is not None
-    assert abs(Fraction(found[0], one) - many[0]) < Fraction(1, 10**50)
+    computed = first_root(expand(many), bits, 0)
+    assert computed is not None
+    assert abs(Fraction(computed[0], first) - many[0]) < Fraction(1, 10**50)

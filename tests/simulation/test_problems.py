@@ -15,7 +15,7 @@ from symosc.engine.batch import row_of
 from symosc.engine.start import first_state, last_time
 from symosc.engine.state import STATE_ROW
 from symosc.model import by_name
-from symosc.simulation.batch import INTERPRETED
+from symosc.simulation.loops import INTERPRETED
 from symosc.simulation.problems import Problems, decimal_rest
 
 FIG9 = load_scene("fig9").parameters
@@ -82,21 +82,23 @@ def test_motions_begin_as_one_by_one(seed: int) -> None:
 def test_a_start_is_on_a_belt_if_the_exact_numbers_are_equal(speed: str) -> None:
     """Whatever types they have: doubles that are equal need not stand for equal numbers."""
     p = FIG9.replace(v1=speed)
-    given = Fraction(speed)
+    arguments = Fraction(speed)
     near = [
-        given,
-        given + Fraction(1, 10**20),
-        given - Fraction(1, 10**40),
-        float(given),
+        arguments,
+        arguments + Fraction(1, 10**20),
+        arguments - Fraction(1, 10**40),
+        float(arguments),
         speed,
-        Fraction(float(given)),
+        Fraction(float(arguments)),
     ]
     problems = Problems(p, {"t0": 0, "x0": "0.4", "v0": [*near, 2, 3]}, 5)
     expected = [int(problems[i].v0 == p.v1) for i in range(8)]
-    assert begun(problems)[:, 1].tolist() == expected
+    assert begun(problems)["at"].tolist() == expected
     assert expected[:3] == [1, 0, 0]
-    doubles = Problems(p, {"t0": 0, "x0": np.linspace(0, 1, 9), "v0": np.full(9, float(given))}, 5)
-    assert begun(doubles)[:, 1].tolist() == [int(Fraction(repr(float(given))) == given)] * 9
+    doubles = Problems(
+        p, {"t0": 0, "x0": np.linspace(0, 1, 9), "v0": np.full(9, float(arguments))}, 5
+    )
+    assert begun(doubles)["at"].tolist() == [int(Fraction(repr(float(arguments))) == arguments)] * 9
 
 
 def columns(**changes: Any) -> dict[str, Any]:

@@ -32,18 +32,18 @@ TRAJECTORY = simulate("fig5", t_end=5)
     ],
 )
 def test_results_compare_copy_and_pickle(make: Callable[[int], Trajectory | EventTable]) -> None:
-    one = make(7)
+    first = make(7)
     same = make(7)
-    other = make(6)
-    assert (one == same) is True
-    assert (one == other) is False
-    assert (one != other) is True
-    assert (one == None) is False  # noqa: E711
-    assert (one == "text") is False
-    for copied in (copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):
-        assert (copied == one) is True
-    if isinstance(one, Trajectory):
-        assert hash(one) == hash(same)
+    second = make(6)
+    assert (first == same) is True
+    assert (first == second) is False
+    assert (first != second) is True
+    assert (first == None) is False  # noqa: E711
+    assert (first == "text") is False
+    for copied in (copy.copy(first), copy.deepcopy(first), pickle.loads(pickle.dumps(first))):
+        assert (copied == first) is True
+    if isinstance(first, Trajectory):
+        assert hash(first) == hash(same)
 
 
 SYMBOLS = sympy.symbols("gamma amplitude", real=True)
@@ -110,9 +110,9 @@ def classes_in(value: Any) -> set[type]:
     ):
         return set()
     if type(value).__module__.startswith("symosc"):
-        found = {type(value)}
+        computed = {type(value)}
     else:
-        found = set()
+        computed = set()
     names = [*getattr(type(value), "__slots__", ()), *getattr(value, "__dict__", ())]
     held = [getattr(value, name) for name in names if not name.startswith("_")]
     if isinstance(value, (dict, list, tuple)):
@@ -120,7 +120,7 @@ def classes_in(value: Any) -> set[type]:
             held += value.values()
         else:
             held += value
-    return found.union(*(classes_in(each) for each in held))
+    return computed.union(*(classes_in(entry) for entry in held))
 
 
 @pytest.mark.parametrize("name", few([name for name, call in CALLS.items() if call], *SLOW))
@@ -131,11 +131,11 @@ def test_what_a_public_function_returns_is_public_documented_and_comparable(name
     again = call()
     classes = classes_in(value)
     assert classes
-    for each in classes:
-        assert getattr(symosc, each.__name__, None) is each, each
-        assert len((each.__doc__ or "").split()) > 8, each
-        assert not (each.__doc__ or "").startswith(f"{each.__name__}("), (
-            each
+    for entry in classes:
+        assert getattr(symosc, entry.__name__, None) is entry, entry
+        assert len((entry.__doc__ or "").split()) > 8, entry
+        assert not (entry.__doc__ or "").startswith(f"{entry.__name__}("), (
+            entry
         )  # what dataclasses and tuples write
     assert (value == again) is True
     assert (value != again) is False

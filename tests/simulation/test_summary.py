@@ -59,18 +59,20 @@ def scene(seed: int) -> tuple[Parameters, tuple[Any, ...], Fraction]:
     return p, (t0, number(-3, 3), dice.choice((p.v1, p.v2, number(-4, 4)))), t0 + number(10, 40)
 
 
-def compare(found: dict[str, Any], expected: dict[str, Any], where: object) -> None:
+def compare(computed: dict[str, Any], expected: dict[str, Any], where: object) -> None:
     exact = ("status", "events", "sticks", "mode", "word", "multiplicity")
-    assert {name: found[name] for name in exact} == {name: expected[name] for name in exact}, where
+    assert {name: computed[name] for name in exact} == {name: expected[name] for name in exact}, (
+        where
+    )
     scale = 1 + max(abs(expected[name]) for name in ("x_min", "x_max", "v_min", "v_max"))
     for name in ("t", "x", "v", "stuck", "x_min", "x_max", "v_min", "v_max"):
-        assert abs(found[name] - expected[name]) <= 1e-8 * scale, (
+        assert abs(computed[name] - expected[name]) <= 1e-8 * scale, (
             name,
-            found[name],
+            computed[name],
             expected[name],
             where,
         )
-    np.testing.assert_allclose(found["section"], expected["section"], rtol=0, atol=1e-9 * scale)
+    np.testing.assert_allclose(computed["section"], expected["section"], rtol=0, atol=1e-9 * scale)
 
 
 @pytest.mark.quick(3)
@@ -78,11 +80,11 @@ def compare(found: dict[str, Any], expected: dict[str, Any], where: object) -> N
 def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
     p, (t0, x0, v0), t_end = scene(seed)
     skip = random.Random(seed).choice((0, 0, Fraction(7, 3)))
-    found = simulate_many(
+    summary = simulate_many(
         p, (t0, x0, v0), t_end, record="summary", skip=skip, sections=3, use_numba=False
     )
     trajectory = simulate(p, t0=t0, x0=x0, v0=v0, t_end=t_end)
-    compare(found[0], slow_summary(p, trajectory, float(skip), 3), seed)
+    compare(summary[0], slow_summary(p, trajectory, float(skip), 3), seed)
 
 
 @pytest.mark.quick(2)
@@ -90,45 +92,56 @@ def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
 def test_extremes_are_those_of_the_equation(seed: int) -> None:
     p, start, _ = scene(seed)
     end = start[0] + 4
-    found = simulate_many(
+    summary = simulate_many(
         p, start, end, record=("x_min", "x_max", "v_min", "v_max"), use_numba=False
     )
     expected = oracle_extremes(p, start, end)
     for name in "xv":
         size = abs(expected[f"{name}_min"]) + abs(expected[f"{name}_max"])
         for what in (f"{name}_min", f"{name}_max"):
-            assert abs(getattr(found, what)[0] - expected[what]) <= 1e-14 * size, (seed, what)
+            assert abs(getattr(summary, what)[0] - expected[what]) <= 1e-14 * size, (seed, what)
 
 
 def test_what_doubles_leave_open_is_counted_from_more_digits() -> None:
     """Of grazes; and of fig8, whose errors grow."""
     exact = load_scene("fig8-exact")
-    for one, end in ((exact, exact.t_end), (load_scene("fig8"), Fraction(35))):
-        given: Any = {"skip": 0, "sections": 2, "start_error": one.start_error, "use_numba": False}
-        found = simulate_many(
-            one.parameters, (one.t0, one.x0, one.v0), end, record="summary", **given
+    for scene, end in ((exact, exact.t_end), (load_scene("fig8"), Fraction(35))):
+        arguments: Any = {
+            "skip": 0,
+            "sections": 2,
+            "start_error": scene.start_error,
+            "use_numba": False,
+        }
+        summary = simulate_many(
+            scene.parameters, (scene.t0, scene.x0, scene.v0), end, record="summary", **arguments
         )
-        compare(found[0], slow_summary(one.parameters, simulate(one, t_end=end), 0.0, 2), one.name)
+        compare(
+            summary[0],
+            slow_summary(scene.parameters, simulate(scene, t_end=end), 0.0, 2),
+            scene.name,
+        )
 
 
 def test_a_motion_that_ends_at_its_last_event() -> None:
-    found = simulate_many(FIG9, (0, 0, 0), 100, record="summary", max_events=7, use_numba=False)[0]
+    summary = simulate_many(FIG9, (0, 0, 0), 100, record="summary", max_events=7, use_numba=False)[
+        0
+    ]
     alone = simulate(FIG9, t0=0, x0=0, v0=0, t_end=100, max_events=7)
-    assert (found["status"], found["events"]) == ("max_events", 7)
-    assert (found["t"], found["x"], found["v"]) == pytest.approx(
+    assert (summary["status"], summary["events"]) == ("max_events", 7)
+    assert (summary["t"], summary["x"], summary["v"]) == pytest.approx(
         (alone.events[-1].t, alone.events[-1].x, 1.0)
     )
 
 
 @pytest.mark.parametrize(("word", "periods"), [("P32", 1), ("P6454", 1)])
 def test_orbits_repeat(word: str, periods: int) -> None:
-    one = load_scene({"P32": "fig9-orbit", "P6454": "fig10-orbit"}[word])
-    end = one.t0 + 60
-    found = simulate_many(
-        one.parameters, (one.t0, one.x0, one.v0), end, record="summary", use_numba=False
+    scene = load_scene({"P32": "fig9-orbit", "P6454": "fig10-orbit"}[word])
+    end = scene.t0 + 60
+    summary = simulate_many(
+        scene.parameters, (scene.t0, scene.x0, scene.v0), end, record="summary", use_numba=False
     )
-    assert found.multiplicity.tolist() == [periods]
-    assert found.word[0] == word
+    assert summary.multiplicity.tolist() == [periods]
+    assert summary.word[0] == word
 
 
 def test_flights_of_a_drifting_mass_do_not_repeat() -> None:
@@ -137,11 +150,11 @@ def test_flights_of_a_drifting_mass_do_not_repeat() -> None:
     Its turning points do not repeat.
     """
     p = Parameters(m=1, c=0, k=0, A0=0, B0=8, Omega=2, v1=-1, v2="-0.5", mu1=0, mu2=0, FN=1)
-    found = simulate_many(p, (0, 0, "0.01"), 60, record=("x_min", "x_max"), use_numba=False)
+    summary = simulate_many(p, (0, 0, "0.01"), 60, record=("x_min", "x_max"), use_numba=False)
     trajectory = simulate(p, t0=0, x0=0, v0="0.01", t_end=60)
     x = trajectory(np.linspace(0, 60, 200_001))[0]
-    assert found.x_max[0] == pytest.approx(x.max(), abs=1e-7)
-    assert found.x_min[0] == pytest.approx(x.min(), abs=1e-7)
+    assert summary.x_max[0] == pytest.approx(x.max(), abs=1e-7)
+    assert summary.x_min[0] == pytest.approx(x.min(), abs=1e-7)
 
 
 @pytest.mark.slow
@@ -149,8 +162,8 @@ def test_a_period_of_three() -> None:
     """Found by a search over Omega; each period has a word of its own."""
     p = FIG9.replace(Omega="1.3", FN=3)
     ends = [2 * math.pi / float(p.Omega) * n for n in (60, 61, 62, 63)]
-    found = simulate_many(p, (0, 0, 0), ends, record="summary", use_numba=False, sections=1)
-    m = int(found.multiplicity[0])
+    summary = simulate_many(p, (0, 0, 0), ends, record="summary", use_numba=False, sections=1)
+    m = int(summary.multiplicity[0])
     expected = slow_summary(p, simulate(p, t0=0, x0=0, v0=0, t_end=ends[0]), 0.0, 1)
     assert m == expected["multiplicity"]
 
@@ -159,11 +172,11 @@ def test_a_period_of_three() -> None:
 def test_ends_that_are_whole_periods_count_however_they_are_rounded() -> None:
     ends = np.array([n * 2 * math.pi / 4 for n in range(2, 40)])
     ends = np.concatenate([np.nextafter(ends, 0), ends, np.nextafter(ends, 99)])
-    found = simulate_many(FIG9, (0, 0, 0), ends, record="summary", use_numba=False)
-    once, again, third = found.section.reshape(3, -1, 2)
+    summary = simulate_many(FIG9, (0, 0, 0), ends, record="summary", use_numba=False)
+    once, again, third = summary.section.reshape(3, -1, 2)
     np.testing.assert_allclose(once, again, rtol=0, atol=1e-12)
     np.testing.assert_allclose(third, again, rtol=0, atol=1e-12)
-    assert not np.isnan(found.section).any()
+    assert not np.isnan(summary.section).any()
 
 
 def many() -> tuple[list[Parameters], list[tuple[Any, ...]], list[Fraction]]:
@@ -177,10 +190,10 @@ def test_each_column_alone_is_that_of_all() -> None:
     With a transient left out, and motions at rest.
     """
     sets, starts, ends = (column[:12] for column in many())
-    given: Any = {"skip": 2.5, "sections": 3, "use_numba": False}
-    whole = simulate_many(sets, starts, ends, record="summary", **given)
+    arguments: Any = {"skip": 2.5, "sections": 3, "use_numba": False}
+    whole = simulate_many(sets, starts, ends, record="summary", **arguments)
     assert set(whole.status.tolist()) == {"t_end", "equilibrium"}
     for name, column in whole.columns().items():
-        alone = getattr(simulate_many(sets, starts, ends, record=(name,), **given), name)
+        alone = getattr(simulate_many(sets, starts, ends, record=(name,), **arguments), name)
         assert np.array_equal(alone, column, equal_nan=column.dtype.kind == "f"), name
         assert alone.dtype == column.dtype

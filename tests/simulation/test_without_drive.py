@@ -25,7 +25,7 @@ EXAMPLE = {"m": "1.52", "k": "2.12", "mu1": "0.1", "g": "9.81"}
 
 def outcome(motion: Any) -> tuple[Any, ...]:
     """Return status, message and events of a motion, without their phases."""
-    events = [(each.kind, each.boundary, each.t, each.x, each.v) for each in motion.events]
+    events = [(entry.kind, entry.boundary, entry.t, entry.x, entry.v) for entry in motion.events]
     return motion.status, motion.message, events
 
 
@@ -43,9 +43,9 @@ def test_a_mass_that_rests_rests_whatever_omega_is(t_end: str) -> None:
     for Omega in OMEGAS:
         motion = simulate(OtherModel(**EXAMPLE, Omega=Omega), x0=4, t_end=t_end)
         assert motion.status == ("equilibrium" if times[-1] < float(t_end) else "t_end"), Omega
-        found = [(each.t, each.x) for each in motion.events]
-        assert len(found) == len(expected)
-        for event, theory in zip(found, expected, strict=True):
+        computed = [(entry.t, entry.x) for entry in motion.events]
+        assert len(computed) == len(expected)
+        for event, theory in zip(computed, expected, strict=True):
             assert event == pytest.approx(theory, rel=1e-13, abs=1e-13)
 
 
@@ -108,9 +108,9 @@ def test_compiled_motions_do_not_depend_on_omega_either() -> None:
         rows = [(start["t0"], start["x0"], start["v0"])] * len(sets)
         summary = simulate_many(sets, rows, start["t_end"], record="summary", max_events=200)
         events = simulate_many(sets, rows, start["t_end"], max_events=200)
-        one = simulate(sets[0], **start, max_events=200)
-        assert set(summary.status) == {one.status}, (values, start)
-        assert set(summary.events) == {len(one.events)}, (values, start)
+        motion = simulate(sets[0], **start, max_events=200)
+        assert set(summary.status) == {motion.status}, (values, start)
+        assert set(summary.events) == {len(motion.events)}, (values, start)
         for name in ("x", "v", "stuck", "x_min", "x_max", "v_min", "v_max"):
             column = getattr(summary, name)
             assert (column == column[0]).all() or (column != column).all(), (name, values, start)

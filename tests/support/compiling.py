@@ -37,7 +37,8 @@ def is_there(loops: str) -> bool:
     """Return whether loops are on disk, or nothing can be compiled."""
     if find_spec("numba") is None:
         return True
-    from symosc.engine.arithmetic import compiled, is_compiled, pairs_are_compiled
+    from symosc.engine.arithmetic import compiled, pairs_are_compiled
+    from symosc.kernels.compiling import is_compiled
 
     doubles = is_compiled(compiled()["follow_all"])
     return doubles and (loops == "doubles" or pairs_are_compiled())

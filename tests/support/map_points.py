@@ -10,9 +10,9 @@ import mpmath
 from mpmath import mp
 
 from symosc import Parameters
-from symosc.engine.arithmetic import bind
 from symosc.friction import MAPS
 from symosc.kernels import entire, mapping
+from symosc.kernels.rebind import bind
 from symosc.mappings import equations as m
 
 REGIMES = ["underdamped", "critical", "near-critical", "overdamped", "undamped"]

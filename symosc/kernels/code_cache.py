@@ -16,6 +16,7 @@ from contextlib import contextmanager, suppress
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
+from time import monotonic
 from typing import Any
 
 from numba.core.caching import (
@@ -29,7 +30,11 @@ from symosc.base.errors import CodeCacheWarning
 
 DIGEST_SIZE = sha256().digest_size
 DAMAGED = "is damaged"
+NOT_READ = "cannot be read"
 NOT_KEPT = "cannot be kept"
+# Seconds after which a folder of compiled code is searched again: that takes as long as thousands
+# of events.
+SEARCH_AGAIN = 1.0
 _warned: set[str] = set()
 
 
@@ -107,16 +112,29 @@ class _CheckedCache(FunctionCache):
         files = self._cache_file
         name = files._index_name.removesuffix(".nbi")
         self._cache_file = _CheckedFiles(files._cache_path, name, files._source_stamp)
+        self._found = False
+        self._searched_at = -SEARCH_AGAIN
+
+    def has_code(self) -> bool:
+        """Return whether code of this function is on disk; look once in SEARCH_AGAIN seconds."""
+        if not self._found and monotonic() - self._searched_at >= SEARCH_AGAIN:
+            self._found = os.path.exists(self._cache_file._index_path)
+            self._searched_at = monotonic()
+        return self._found
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         try:
             return super().load_overload(sig, target_context)
         except OSError:  # there is nothing that could be read
             return None
-        except Exception:  # whatever unpickling raises
+        except pickle.UnpicklingError:  # a wrong checksum, or no pickle
             _warn(DAMAGED, f"it is compiled anew (in {self.cache_path})")
             with suppress(OSError):
                 os.unlink(self._cache_file._index_path)
+            return None
+        except Exception as error:  # such as a module of a library that cannot be imported
+            reason = f"{type(error).__name__}: {error}"
+            _warn(NOT_READ, f"{reason}; it is compiled anew (in {self.cache_path})")
             return None
 
     def save_overload(self, sig: Any, data: Any) -> None:
