@@ -187,10 +187,10 @@ def unmasked(name: str, value: Any) -> Any:
     # has no such arrays.
     kind = getattr(sys.modules.get("numpy.ma"), "MaskedArray", None)
     if isinstance(value, (list, tuple)):
-        each = value
+        parts = value
     else:
-        each = (value,)
-    if kind and any(isinstance(part, kind) and part.mask.any() for part in each):
+        parts = (value,)
+    if kind and any(isinstance(part, kind) and part.mask.any() for part in parts):
         raise ParameterError(name, "masked", "must be a number everywhere; some are masked")
     return value
 

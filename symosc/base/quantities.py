@@ -111,16 +111,16 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
     return read_expression(name, text)
 
 
-def forcing_periods(name: str, given: Any) -> Fraction | None:
+def forcing_periods(name: str, text: Any) -> Fraction | None:
     """Return the number of drive periods that text such as "10T" gives, else None.
 
     Errors call the argument `name`.
     """
-    if not (isinstance(given, str) and given.strip().endswith("T")):
+    if not (isinstance(text, str) and text.strip().endswith("T")):
         return None
-    count = given.strip()[:-1].rstrip("* ")
+    count = text.strip()[:-1].rstrip("* ")
     if not NUMBER.fullmatch(count):
-        raise ParameterError(name, given, "give a number, or periods of the drive such as '10T'")
+        raise ParameterError(name, text, "give a number, or periods of the drive such as '10T'")
     return read_exact(name, count)
 
 
@@ -202,16 +202,16 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
         return read_exact(name, parts["number"]) / 100, True
     registry = _registry()
     try:
-        given = registry.parse_units(parts["unit"].strip().replace("^", "**").replace("·", "*"))
+        parsed = registry.parse_units(parts["unit"].strip().replace("^", "**").replace("·", "*"))
         if plain:
             unit = "dimensionless"
         else:
             unit = registry.parse_units(wanted)
         # Both count turns or radians, and do not say which.
         ambiguous = wanted == "rad/s" and any(
-            part.endswith(("hertz", "counts_per_second")) for part in given._units
+            part.endswith(("hertz", "counts_per_second")) for part in parsed._units
         )
-        factor = Fraction(registry.Quantity(Fraction(1), given).to(unit).magnitude)
+        factor = Fraction(registry.Quantity(Fraction(1), parsed).to(unit).magnitude)
     except Exception:  # pint has a dozen kinds, some of them AssertionError and TypeError
         raise refused from None
     if ambiguous:

@@ -40,6 +40,8 @@ from symosc.simulation.simulate import simulate
 # a margin below this part of the terms that it is a difference of is decided in more digits
 MARGINAL = 1e-9
 FINE_DIGITS = 50
+# Digits with which the engine follows an orbit whose margins are small.
+ENGINE_DIGITS = (30, 60)
 SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
 
 
@@ -128,7 +130,7 @@ def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     """
     points = [(equations.number(x), equations.number(theta)) for x, theta in points]
     sizes = scales(equations, points)
-    found = list[Condition]()
+    all_conditions = list[Condition]()
     for i, span in enumerate(equations.spans(points)):
         following = equations.pieces[(i + 1) % len(points)]
         if span.piece.sticks:
@@ -136,10 +138,10 @@ def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
         else:
             rows = _flight(equations, span, following, sizes)
         for text, value, theta, event, rank, size in rows:
-            found.append(
+            all_conditions.append(
                 Condition(i, text, float(value), float(theta / equations.K.Om), event, rank, size)
             )
-    return found
+    return all_conditions
 
 
 #: What `Condition` holds of a margin: text, value, phase at which it is closest to 0, event, rank,
@@ -356,14 +358,14 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     # orbit grazes, seen from below and from above.
     K = equations.K
     points = [(float(x), float(theta)) for x, theta in points]
-    found = [c.value for c in conditions(equations, points) if "stays in" in c.text]
+    distances = [c.value for c in conditions(equations, points) if "stays in" in c.text]
     for piece, start, _, tau in equations.spans(points):
         if not piece.sticks:
             past = extrema(
                 tau, tau + K.period, equations.start_of_flight(piece, start), False, equations
             )
-            found += [abs(each.v - equations.belt(piece.end).v) for each in past[:1]]
-    return float(min(found, default=inf))
+            distances += [abs(state.v - equations.belt(piece.end).v) for state in past[:1]]
+    return float(min(distances, default=inf))
 
 
 def concerns_whole_piece(condition: Condition) -> bool:
@@ -373,9 +375,9 @@ def concerns_whole_piece(condition: Condition) -> bool:
     return " stays in " in condition.text or " during " in condition.text
 
 
-def failing(found: list[Condition]) -> list[Condition]:
+def failing(tested: list[Condition]) -> list[Condition]:
     """Return those of the given conditions that fail, sorted by `Condition.rank`."""
-    return sorted((c for c in found if not c.value > 0), key=lambda c: c.rank)
+    return sorted((c for c in tested if not c.value > 0), key=lambda c: c.rank)
 
 
 # -- the verdict -----------------------------------------------------------------------------------
@@ -386,10 +388,10 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
 
     [] for an orbit.
     """
-    found = conditions(equations, points)
-    small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
+    tested = conditions(equations, points)
+    small = any(abs(condition.value) < MARGINAL * condition.scale for condition in tested)
     if not small and not ill_conditioned(equations, points):
-        failed = failing(found)
+        failed = failing(tested)
         if failed or engine_contradiction(equations, points) is None:
             return failed
     fine = equations.with_digits(FINE_DIGITS)
@@ -406,13 +408,13 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
             for i in range(len(was))
             if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)
         }
-        lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
+        lasts = [c for c in tested if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
         if lasts:
             return [c._replace(value=0.0) for c in lasts]
-        nearest = sorted((c for c in found if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
+        nearest = sorted((c for c in tested if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
         text = " (it cannot be decided: the equations are singular there)"
-        undecided = failing(found) or [c._replace(text=c.text + text, value=0.0) for c in nearest]
-        if small or failing(found):
+        undecided = failing(tested) or [c._replace(text=c.text + text, value=0.0) for c in nearest]
+        if small or failing(tested):
             return undecided
         wrong = engine_contradiction(equations, points)
         if wrong is None:
@@ -425,13 +427,13 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     )
     if failed:
         return failed
-    found = []
-    for digits in (30, 60):  # that the engine is asked for where margins are small
+    contradictions = []
+    for digits in ENGINE_DIGITS:
         wrong = engine_contradiction(fine, root.points, digits)
         if wrong is None:
             return []
-        found.append(wrong)
-    return [engine_contradiction(equations, points) or found[-1]]
+        contradictions.append(wrong)
+    return [engine_contradiction(equations, points) or contradictions[-1]]
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:

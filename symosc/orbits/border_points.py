@@ -185,19 +185,19 @@ def _polished_fold(
 
     The secant method varies the other parameter until the slope of parameter j is 0.
     """
-    other = 1 - j
+    varied = 1 - j
     index = len(z) - 1 - j
-    value = float(z[-2 + other] * system.scale[-2 + other])
+    value = float(z[-2 + varied] * system.scale[-2 + varied])
     tried: list[tuple[float, float]] = []
     for _ in range(FOLD_STEPS):
         u = system.polish(z, (index, Fraction(value)))
         if u is None:
             return None
         tangent = system.fine_tangent(u)
-        tried.append((value, float(tangent[-2 + j] / tangent[-2 + other])))
+        tried.append((value, float(tangent[-2 + j] / tangent[-2 + varied])))
         z = np.array([float(number) for number in u]) / system.scale
         if len(tried) == 1:
-            change = 1e-9 * float(system.scale[-2 + other])
+            change = 1e-9 * float(system.scale[-2 + varied])
         elif tried[-1][1] == tried[-2][1]:
             break
         else:

@@ -276,7 +276,7 @@ def _carried_out(
                 pending[future] = begin, end
             done, _ = wait(pending, return_when=FIRST_COMPLETED)
             for future in sorted(
-                done, key=lambda each: each.cancelled() or each.exception() is not None
+                done, key=lambda task: task.cancelled() or task.exception() is not None
             ):
                 begin, end = pending.pop(
                     future
