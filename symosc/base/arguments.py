@@ -392,7 +392,10 @@ def _misfit(function: Callable[..., object], count: int, named: Mapping[str, obj
     unknown = next((name for name in named if name not in names), None)
     if unknown is None:
         return ""
-    known = f"; known are {', '.join(names)}{meant(unknown, names)}" if names else ""
+    if names:
+        known = f"; known are {', '.join(names)}{meant(unknown, names)}"
+    else:
+        known = ""
     return f"{title} got an unexpected keyword argument {unknown!r}{known}"
 
 
@@ -402,6 +405,9 @@ def _too_many(title: str, parameters: Sequence[inspect.Parameter]) -> str:
     by_name = [f"{item.name}=" for item in parameters if item.kind is item.KEYWORD_ONLY]
     if not by_name:
         by_name = ["NAME=VALUE" for item in parameters if item.kind is item.VAR_KEYWORD]
-    allowed = f"only {in_order}" if in_order else "nothing"
-    more = f"; give more by name: {', '.join(by_name)}" if by_name else ""
-    return f"{title} takes {allowed} without a name{more}"
+    message = f"{title} takes nothing without a name"
+    if in_order:
+        message = f"{title} takes only {in_order} without a name"
+    if by_name:
+        message += f"; give more by name: {', '.join(by_name)}"
+    return message

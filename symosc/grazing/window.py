@@ -548,15 +548,11 @@ def grazing_windows(
     else:
         shape = ()
     size = math.prod(shape)
-    pairs = []
-    for name in names:
-        if name in arrays:
-            constant = Fraction(0)
-        else:
-            constant = getattr(p, name)
-        high = float(constant)  # a Fraction as a pair of doubles, right to 2^-106
-        pairs.append(arrays[name].ravel() if name in arrays else np.full(size, high))
-        pairs.append(np.full(size, float(constant - Fraction(high))))
+    pairs = [
+        column
+        for name in names
+        for column in _pair_columns(arrays.get(name), getattr(p, name), size)
+    ]
     columns = WindowColumns(np.empty(size, np.int8), *(np.empty(size) for _ in range(3)))
     _window_loop()(tuple(pairs), where.side, full, tuple(columns))
     for i in np.flatnonzero(columns.kind == cases.EQUALITY_UNDECIDED):
@@ -570,6 +566,18 @@ def grazing_windows(
         else:
             columns.low[i], columns.high[i] = exact.ends
     return WindowColumns(*(column.reshape(shape) for column in columns))
+
+
+def _pair_columns(
+    array: np.ndarray | None, constant: Fraction, size: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a parameter as columns of pairs of doubles: an array as it is, or a constant, which is
+    right to 2^-106.
+    """
+    if array is not None:
+        return array.ravel(), np.zeros(size)
+    high = float(constant)
+    return np.full(size, high), np.full(size, float(constant - Fraction(high)))
 
 
 @lru_cache(maxsize=1)

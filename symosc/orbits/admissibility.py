@@ -389,8 +389,7 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     [] for an orbit.
     """
     tested = conditions(equations, points)
-    small = any(abs(condition.value) < MARGINAL * condition.scale for condition in tested)
-    if not small and not ill_conditioned(equations, points):
+    if not _has_small_margin(tested) and not ill_conditioned(equations, points):
         failed = failing(tested)
         if failed or engine_contradiction(equations, points) is None:
             return failed
@@ -399,27 +398,7 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     with suppress(ZeroDivisionError, ValueError):  # a flight loses all its length on the way
         root = polish(fine, points)
     if not root.converged:
-        # The pieces whose duration tends to 0 in Newton's method, at a multiple root, and what may
-        # fail else.
-        was = equations.spans(points)
-        now = fine.spans(root.points)
-        gone = {
-            i
-            for i in range(len(was))
-            if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)
-        }
-        lasts = [c for c in tested if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
-        if lasts:
-            return [c._replace(value=0.0) for c in lasts]
-        nearest = sorted((c for c in tested if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
-        text = " (it cannot be decided: the equations are singular there)"
-        undecided = failing(tested) or [c._replace(text=c.text + text, value=0.0) for c in nearest]
-        if small or failing(tested):
-            return undecided
-        wrong = engine_contradiction(equations, points)
-        if wrong is None:
-            return []
-        return undecided or [wrong]
+        return _failures_of_multiple_root(equations, fine, points, root.points, tested)
     decided = conditions(fine, root.points)
     # So small a margin is 0 even there.
     failed = failing(
@@ -434,6 +413,45 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
             return []
         contradictions.append(wrong)
     return [engine_contradiction(equations, points) or contradictions[-1]]
+
+
+def _failures_of_multiple_root(
+    equations: ClosingEquations,
+    fine: ClosingEquations,
+    points: Points,
+    last: Points,
+    tested: list[Condition],
+) -> list[Condition]:
+    """Return the conditions that keep a root from being an orbit where Newton's method with many
+    digits does not converge: it ended at `last`, and doubles say `tested`.
+    """
+    # The pieces whose duration tends to 0 in Newton's method, at a multiple root.
+    was = equations.spans(points)
+    now = fine.spans(last)
+    gone = {
+        i
+        for i in range(len(was))
+        if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)
+    }
+    lasts = [c for c in tested if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
+    if lasts:
+        return [c._replace(value=0.0) for c in lasts]
+    # Others that may fail.
+    nearest = sorted((c for c in tested if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
+    text = " (it cannot be decided: the equations are singular there)"
+    failed = failing(tested)
+    undecided = failed or [c._replace(text=c.text + text, value=0.0) for c in nearest]
+    if failed or _has_small_margin(tested):
+        return undecided
+    wrong = engine_contradiction(equations, points)
+    if wrong is None:
+        return []
+    return undecided or [wrong]
+
+
+def _has_small_margin(tested: list[Condition]) -> bool:
+    """Return whether a margin is too small for doubles."""
+    return any(abs(condition.value) < MARGINAL * condition.scale for condition in tested)
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:

@@ -137,26 +137,10 @@ class Scene(Drawable):
     original: Original | None = None
 
     def __post_init__(self) -> None:
-        for name in ("name", "source", "structure"):
-            value = getattr(self, name)
-            is_text = isinstance(value, str) and (name != "name" or value.strip())
-            if not is_text and not (name == "structure" and value is None):
-                raise ParameterError(name, value, "must be text")
-        if not isinstance(self.parameters, Parameters | OtherModel):
-            raise ParameterError(
-                "parameters", self.parameters, "must be Parameters or an OtherModel"
-            )
-        if not isinstance(self.original, Original | None):
-            raise ParameterError(
-                "original", self.original, "must be None, or what a scene of an OtherModel keeps"
-            )
+        self._check_kinds()
         if self.structure is not None:
             whole = read_word(self.structure).cycle
             object.__setattr__(self, "structure", str(whole))
-        if not (
-            isinstance(self.notes, tuple) and all(isinstance(note, str) for note in self.notes)
-        ):
-            raise ParameterError("notes", self.notes, "must be a tuple of texts")
         model: Any = self.parameters
         given_start = {name: getattr(self, name) for name in START_NAMES}
         given_start["t_end"] = end_time(self.t_end, parameters_of(model), self.t0)
@@ -182,6 +166,27 @@ class Scene(Drawable):
         object.__setattr__(self, "start_error", error)
         for name, number in numbers.items():
             object.__setattr__(self, name, number)
+
+    def _check_kinds(self) -> None:
+        """Raise ParameterError if an argument is not of its type."""
+        for name in ("name", "source", "structure"):
+            value = getattr(self, name)
+            is_text = isinstance(value, str) and (name != "name" or value.strip())
+            if not is_text and not (name == "structure" and value is None):
+                raise ParameterError(name, value, "must be text")
+        if not isinstance(self.parameters, Parameters | OtherModel):
+            raise ParameterError(
+                "parameters", self.parameters, "must be Parameters or an OtherModel"
+            )
+        if not isinstance(self.original, Original | None):
+            raise ParameterError(
+                "original", self.original, "must be None, or what a scene of an OtherModel keeps"
+            )
+        are_texts = isinstance(self.notes, tuple) and all(
+            isinstance(note, str) for note in self.notes
+        )
+        if not are_texts:
+            raise ParameterError("notes", self.notes, "must be a tuple of texts")
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:

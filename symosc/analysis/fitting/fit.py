@@ -158,7 +158,10 @@ def fit(
     require_or_none(mapping_of(NUMBER), start=start)
     require(FLAG, robust=robust)
     require_or_none(mapping_of(TEXT, NONE), columns=columns)
-    names = (free,) if isinstance(free, str) else tuple(free)
+    if isinstance(free, str):
+        names: tuple[str, ...] = (free,)
+    else:
+        names = tuple(free)
     known = (*PARAMETER_NAMES, *STARTS)
     for argument, given_names in (("free", names or ("",)), ("start", start or {})):
         for name in given_names:
@@ -286,7 +289,10 @@ def _sigma(sigma: Any) -> np.ndarray:
     """
     if sigma is None:
         return np.ones(2)
-    pair = sigma if isinstance(sigma, Sequence) and not isinstance(sigma, str) else [sigma] * 2
+    if isinstance(sigma, Sequence) and not isinstance(sigma, str):
+        pair = sigma
+    else:
+        pair = [sigma] * 2
     deviations = [float(read_exact("sigma", number)) for number in pair]
     if len(deviations) != 2 or min(deviations) <= 0:
         raise ParameterError("sigma", sigma, "must be a number > 0, or two: of x and v")
