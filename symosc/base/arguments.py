@@ -12,7 +12,7 @@ import inspect
 import numbers
 from collections.abc import Callable, Mapping, Sequence, Set
 from decimal import Decimal
-from functools import wraps
+from functools import lru_cache, wraps
 from typing import Any, ParamSpec, TypeVar
 
 from symosc.base.errors import ParameterError, meant
@@ -155,6 +155,7 @@ def _is_whole(kind: type) -> bool:
     return issubclass(kind, numbers.Integral) and _is_real(kind)
 
 
+@lru_cache(maxsize=256)
 def _is_row(kind: type) -> bool:
     """Return whether a type is a sequence or array of entries, and neither text nor bytes."""
     if issubclass(kind, Sequence):
