@@ -12,7 +12,7 @@ import inspect
 import numbers
 from collections.abc import Callable, Mapping, Sequence, Set
 from decimal import Decimal
-from functools import lru_cache, wraps
+from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 from symosc.base.errors import ParameterError, meant
@@ -155,12 +155,15 @@ def _is_whole(kind: type) -> bool:
     return issubclass(kind, numbers.Integral) and _is_real(kind)
 
 
-@lru_cache(maxsize=256)
 def _is_row(kind: type) -> bool:
     """Return whether a type is a sequence or array of entries, and neither text nor bytes."""
     if issubclass(kind, Sequence):
         return not issubclass(kind, str | bytes | bytearray | memoryview)
     return hasattr(kind, "dtype") and hasattr(kind, "__len__")
+
+
+# It remembers which types are rows.
+_ROW = Kind("a sequence", _is_row)
 
 
 def _is_text(kind: type) -> bool:
@@ -206,15 +209,14 @@ def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
 
 
 def _is_array(value: Any) -> bool:
-    kind = type(value)
-    return (_is_row(kind) or hasattr(kind, "dtype")) and _is_shallow(value)
+    return (_ROW.takes(value) or hasattr(type(value), "dtype")) and _is_shallow(value)
 
 
 def _is_word(value: Any) -> bool:
     """Return whether a value is an iterator, or a sequence that can be read as a word."""
     if hasattr(type(value), "__next__"):
         return True
-    return _is_row(type(value)) and _is_short(value) and _is_shallow(value)
+    return _ROW.takes(value) and _is_short(value) and _is_shallow(value)
 
 
 def _is_solution(value: Any) -> bool:
@@ -292,7 +294,7 @@ def row_of(count: int, *kinds: Kind | type) -> Kind:
     """Return the kind of sequences of `count` entries of some kinds (none: of any)."""
 
     def fits(value: Any) -> bool:
-        if not (_is_row(type(value)) and _is_short(value) and len(value) == count):
+        if not (_ROW.takes(value) and _is_short(value) and len(value) == count):
             return False
         return not kinds or all(_fits(kinds, entry) for entry in value)
 
@@ -310,7 +312,7 @@ def sequence_of(*kinds: Kind | type, once: bool = False) -> Kind:
     """
 
     def fits(value: Any) -> bool:
-        if not _is_row(type(value)):
+        if not _ROW.takes(value):
             return once and hasattr(type(value), "__next__")
         return _is_short(value) and all(_fits(kinds, entry) for entry in value)
 
@@ -346,7 +348,7 @@ ORDER = one_of("full", "paper")
 #: A point of a switching plane.
 POINT = Kind(
     "a pair (x, theta)",
-    by_value=lambda value: _is_row(type(value)) and _is_short(value) and len(value) == 2,
+    by_value=lambda value: _ROW.takes(value) and _is_short(value) and len(value) == 2,
 )
 
 
