@@ -847,7 +847,9 @@ def atlas(
     if earlier:
         before, boxes, left, grid, pairs = _read_file(path)
         if before != plane:
-            raise ParameterError("path", path, "is the atlas of another plane: name another file")
+            raise ParameterError(
+                "path", path, "must not be the atlas of another plane; name another file"
+            )
     with (
         process_pool(count) if count > 1 else nullcontext() as pool,
         reporting(progress, 0, float(share), "proven", "") as report,

@@ -173,7 +173,7 @@ def simulate(
             raise ParameterError(
                 "accuracy",
                 accuracy,
-                f"is for double precision: leave it out with digits = {digits}",
+                f"accuracy applies to double precision only; omit it with digits = {digits}",
             )
         follow = partial(in_digits, start, most, digits)
     with late_bar(progress, label, "events") if progress else nullcontext() as advance:
