@@ -37,7 +37,7 @@ WRONG: list[tuple[tuple[Any, ...], object]] = [
     ((arguments.NUMBER,), None),
     ((arguments.NUMBER,), np.timedelta64(3, "s")),
     ((arguments.TEXT, arguments.NONE), b"x"),
-    ((arguments.FILE,), 1),
+    (arguments.FILE, 1),
     ((arguments.POINT,), (1, 2, 3)),
     ((arguments.row_of(2, arguments.WHOLE),), (1, "x")),
     ((arguments.row_of(2, arguments.WHOLE),), "12"),

@@ -258,7 +258,8 @@ NUMBER = Kind(
 )
 TEXT = Kind("text", _is_text)
 SLICE = Kind("a slice", lambda kind: kind is slice)
-FILE = Kind("text or a path", _is_file_name)
+#: The name of a file.
+FILE = (TEXT, Kind("a path", _is_file_name))
 SCENE_NAME = Kind("the name or file of a scene", _is_file_name)
 #: What `symosc.scenes.parameters_of` reads besides Parameters and objects that have some.
 SCENE_OR_NAME = Kind("a Scene, or the name or file of one", _is_file_name)

@@ -817,7 +817,7 @@ def atlas(
     """
     what = scene_of(what, "what")
     require(mapping_of(row_of(2, NUMBER)), over=over)
-    require_or_none(FILE, path=path)
+    require_or_none(*FILE, path=path)
     require(*PROGRESS, progress=progress)
     began = monotonic()
     if isinstance(what, Parameters):

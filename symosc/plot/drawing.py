@@ -340,7 +340,7 @@ def save(drawing: Figure, path: str | Path) -> Path:
     'motion.svg'
     """
     require(FIGURE, drawing=drawing)
-    require(FILE, path=path)
+    require(*FILE, path=path)
     suffix = check_suffix(path)
     # No date in the file: drawing it again gives the same bytes.
     metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}, ".png": None}[suffix]
