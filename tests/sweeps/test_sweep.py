@@ -161,7 +161,7 @@ def test_what_is_not_ours_is_refused_and_stays(resume: bool, tmp_path: Path) -> 
         (tmp_path / name / "thesis.tex").write_text("mine")
     (tmp_path / "file.nc").write_text("mine")
     for name in ("map.zarr", "other.nc", "file.nc"):
-        with pytest.raises(SweepError, match=r"no output of a sweep|no folder of a sweep"):
+        with pytest.raises(SweepError, match=r"not the output of a sweep|not the folder of a sweep"):
             sweep(SCENE, {"k": [3]}, path=tmp_path / name, resume=resume)
     theirs = sorted(
         path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()
