@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import symosc
-from symosc.base.aliases import Record
+from symosc.base.aliases import Record, SceneName
 from symosc.base.errors import ParameterError, SweepError, meant
 from symosc.base.exact import LARGEST, read_exact, scalar_of, show, unmasked, whole_number
 from symosc.base.quantities import forcing_periods, read_number
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
-from symosc.scenes import STARTS, Scene, from_rest, load_scene, not_reduced_error
+from symosc.scenes import STARTS, Scene, from_rest, not_reduced_error, scene_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
@@ -214,22 +214,22 @@ def kernels_hash() -> str:
 
 
 def read_plan(
-    scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any = None
+    scene: Scene | Parameters | SceneName,
+    over: Any,
+    record: Any,
+    t_end: Any,
+    skip: Any,
+    starts: Any = None,
 ) -> SweepPlan:
     """Check the arguments of `sweep` and return them as a plan."""
-    if isinstance(scene, Parameters):
+    problem = scene_of(scene, "scene")
+    if isinstance(problem, Parameters):
         if t_end is None:
             raise ParameterError("t_end", None, "t_end is required when you pass Parameters")
-        problem = from_rest(
-            scene, LARGEST
-        )  # `t_end` may be in forcing periods, and later than other starts
-    else:
-        if isinstance(scene, Scene):
-            problem = scene
-        else:
-            problem = load_scene(scene)
-        if problem.original is not None:
-            raise not_reduced_error(problem)
+        # `t_end` may be in forcing periods, and later than other starts
+        problem = from_rest(problem, LARGEST)
+    elif problem.original is not None:
+        raise not_reduced_error(problem)
     if starts is None:
         rows = None
     else:
