@@ -62,7 +62,6 @@ from symosc.scenes import (
     Original,
     Scene,
     end_time,
-    load_scene,
     moved_scene,
     not_reduced_error,
     parameters_of,
@@ -190,9 +189,7 @@ def read_most(max_events: Any, default: int) -> int:
     return min(whole_number("max_events", max_events, 1), 2**62)
 
 
-def read_start(
-    scene: Scene | Parameters | SceneName, given: dict[str, Any], start_error: Any
-) -> Start:
+def read_start(scene: Scene | Parameters, given: dict[str, Any], start_error: Any) -> Start:
     """Return the initial value problem of a scene or of keyword arguments.
 
     Refuse a scene of another model.
@@ -204,7 +201,7 @@ def read_start(
 
 
 def read_problem(
-    scene: Any, given: dict[str, Any], start_error: Any
+    scene: Scene | Parameters | OtherModel, given: dict[str, Any], start_error: Any
 ) -> tuple[Start, Original | None]:
     """Return the initial value problem of a scene or of arguments, and the other model it stands
     for, if any.
@@ -220,8 +217,6 @@ def read_problem(
         given["t_end"] = end_time(given["t_end"], parameters_of(scene), given["t0"])
         scene = Scene("motion", scene, **given)  # type: ignore[arg-type]
         given = {}
-    elif not isinstance(scene, Scene):
-        scene = load_scene(scene)
     if changes := {name: value for name, value in given.items() if value is not None}:
         scene = scene.started(changes)
     if start_error is not None and scene.original is not None:
