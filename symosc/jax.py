@@ -158,7 +158,7 @@ def _values(parameters: Any, *start: Any) -> Any:
     from jax import numpy
 
     return numpy.stack(
-        [numpy.asarray(each, float) for each in (*map(parameters.get, PARAMETER_NAMES), *start)]
+        [numpy.asarray(value, float) for value in (*map(parameters.get, PARAMETER_NAMES), *start)]
     )
 
 
@@ -181,13 +181,13 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
     """
     import jax
 
-    def computed(function: Callable[..., Any], shapes: Any, *given: Any) -> Any:
+    def computed(function: Callable[..., Any], shapes: Any, *arguments: Any) -> Any:
         """Call a numpy function of the arguments `given` from JAX.
 
         `shapes` are shapes and types of its results.
         """
         out = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in shapes)
-        return jax.pure_callback(function, out, *given, vmap_method="broadcast_all")
+        return jax.pure_callback(function, out, *arguments, vmap_method="broadcast_all")
 
     def all_of_events(values: Any, t_end: Any, count: int) -> Any:
         kinds = (float, float, np.int32, np.int32, bool)
@@ -201,9 +201,9 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
     @events_.defjvp
     def _(count: int, primals: Any, tangents: Any) -> Any:
         values, t_end = primals
-        *found, dt, dx = all_of_events(values, t_end, count)
+        *columns, dt, dx = all_of_events(values, t_end, count)
         none = [np.zeros(count, jax.dtypes.float0)] * 3
-        return tuple(found), (dt @ tangents[0], dx @ tangents[0], *none)
+        return tuple(columns), (dt @ tangents[0], dx @ tangents[0], *none)
 
     def all_of_flow(values: Any, times: Any) -> Any:
         shape = (2, len(times))
@@ -220,8 +220,8 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 
     @flow_.defjvp
     def _(primals: Any, tangents: Any) -> Any:
-        found, slopes, rates = all_of_flow(*primals)
-        return found, slopes @ tangents[0] + rates * tangents[1]
+        states, slopes, rates = all_of_flow(*primals)
+        return states, slopes @ tangents[0] + rates * tangents[1]
 
     return events_, flow_
 
@@ -230,7 +230,8 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
     """Return t, x, kind, boundary, regular, dt, dx of the first `count` events of motions: one per
     row of `values`.
     """
-    values, lead = np.asarray(values), np.shape(values)[:-1]
+    values = np.asarray(values)
+    lead = values.shape[:-1]
     rows = values.reshape(-1, len(NAMES))
     ends = np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
@@ -266,20 +267,20 @@ def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
     rows = values.reshape(-1, len(NAMES))
     instants = np.broadcast_to(times, (*lead, n)).reshape(-1, n)
     states, slopes, rates = (np.empty((len(rows), 2, n, *last)) for last in ((), (len(NAMES),), ()))
-    for i, (row, each) in enumerate(zip(rows.tolist(), instants, strict=True)):
-        given = dict(zip(NAMES, row, strict=True))
-        start = {name: given.pop(name) for name in STARTS}
-        if float(each.max()) > start["t0"]:
-            last = float(each.max())
+    for i, (row, times) in enumerate(zip(rows.tolist(), instants, strict=True)):
+        numbers = dict(zip(NAMES, row, strict=True))
+        start = {name: numbers.pop(name) for name in STARTS}
+        if float(times.max()) > start["t0"]:
+            last = float(times.max())
         else:
             last = start["t0"] + 1.0
-        s = sensitivities(Parameters(**given), NAMES, **start, t_end=last)
-        states[i] = s.trajectory(each)
-        slopes[i] = s(each)
-        forces = {f"Omega{alpha}": s.trajectory.force(alpha, each) for alpha in (1, 2, 3)}
+        s = sensitivities(Parameters(**numbers), NAMES, **start, t_end=last)
+        states[i] = s.trajectory(times)
+        slopes[i] = s(times)
+        forces = {f"Omega{alpha}": s.trajectory.force(alpha, times) for alpha in (1, 2, 3)}
         rates[i, 0] = states[i, 1]
         rates[i, 1] = [
             forces[mode][k] if mode in forces else 0.0
-            for k, mode in enumerate(s.trajectory.mode(each))
+            for k, mode in enumerate(s.trajectory.mode(times))
         ]
     return tuple(made.reshape((*lead, *made.shape[1:])) for made in (states, slopes, rates))

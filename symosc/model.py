@@ -82,8 +82,8 @@ class Parameters:
         require(
             NUMBER, m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=FN
         )
-        given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
-        for name, value in (given | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
+        numbers = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
+        for name, value in (numbers | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
             object.__setattr__(self, name, read_number(name, value)[0])
         for name in PARAMETER_NAMES:
             value = getattr(self, name)
@@ -103,9 +103,8 @@ class Parameters:
         # event.
         kept: int | None = self.__dict__.get("_hash")
         if kept is None:
-            kept = self.__dict__["_hash"] = hash(
-                tuple(getattr(self, name) for name in PARAMETER_NAMES)
-            )
+            kept = hash(tuple(getattr(self, name) for name in PARAMETER_NAMES))
+            self.__dict__["_hash"] = kept
         return kept
 
     @public

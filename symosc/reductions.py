@@ -95,8 +95,8 @@ def cos_sin(angle: Fraction) -> tuple[Fraction, Fraction, bool]:
     if abs(angle - turns * PI / 2) <= (half_unit(angle) if turns else 0):
         return Fraction((1, 0, -1, 0)[turns % 4]), Fraction((0, 1, 0, -1)[turns % 4]), True
     context = _context(DIGITS + len(str(abs(turns))))
-    found = context.cos_sin(context.mpf(angle.numerator) / angle.denominator)
-    cos, sin = (read_exact("angle", each) for each in found)
+    turned = context.cos_sin(context.mpf(angle.numerator) / angle.denominator)
+    cos, sin = (read_exact("angle", number) for number in turned)
     return cos, sin, False
 
 
@@ -119,7 +119,7 @@ def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
         return Q, PI / 2, False
     context = _context(DIGITS)
     square = P * P + Q * Q
-    p, q = (context.mpf(each.numerator) / each.denominator for each in (P, Q))
+    p, q = (context.mpf(number.numerator) / number.denominator for number in (P, Q))
     size = Fraction(isqrt(square.numerator), isqrt(square.denominator))
     if size * size != square or not sum.exact:
         size = rounded(read_exact("B0", context.hypot(p, q)))
@@ -280,7 +280,7 @@ class OtherModel:
         if self.Omega <= 0:
             raise ParameterError("Omega", show(self.Omega), "must be > 0")
         cos, sin, exact = cos_sin(self.angle)
-        down, press = (self.m * self.g * each for each in (sin, cos))
+        down, press = (self.m * self.g * part for part in (sin, cos))
         A0 = self.A0 + down
         if self.FN is None:
             FN = press
@@ -363,11 +363,11 @@ class OtherModel:
 
         `joined` is a bool.
         """
-        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
         changed = {
-            each.name: values[each.name]
-            for each in fields(self)
-            if values[each.name] != each.default
+            field.name: values[field.name]
+            for field in fields(self)
+            if values[field.name] != field.default
         }
         return {
             name: value if isinstance(value, bool) else show(value)
@@ -426,7 +426,7 @@ def reduced_start(
         s_error = zero
     if model.shift.bound() == 0:
         return (s0, x0, v0), (s_error, zero, zero)
-    w, rate = (each.at(cos, sin, Fraction) for each in (model.shift, model.shift.rate(model.Omega)))
+    w, rate = (wave.at(cos, sin, Fraction) for wave in (model.shift, model.shift.rate(model.Omega)))
     if exact and model.shift.exact:
         return (s0, x0 - w, v0 - rate), (s_error, zero, zero)
     (z0, z_error), (u0, u_error) = (_difference(a, b) for a, b in ((x0, w), (v0, rate)))
@@ -437,28 +437,28 @@ def reduced_start(
     return (s0, z0, u0), (s_error, z_error, u_error)
 
 
-def _read_arrays(**given: Any) -> list[np.ndarray]:
+def _read_arrays(**columns: Any) -> list[np.ndarray]:
     """Return numbers or arrays as arrays of doubles.
 
     ParameterError unless they are finite and of matching shapes.
     """
     import numpy as np
 
-    found: dict[str, np.ndarray] = {}
-    for name, value in given.items():
+    arrays: dict[str, np.ndarray] = {}
+    for name, value in columns.items():
         array = np.asarray(unmasked(name, value), dtype=None if hasattr(value, "dtype") else object)
         if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
             array = np.vectorize(
-                lambda each, name=name: float(read_exact(name, each)), otypes=[float]
+                lambda number, name=name: float(read_exact(name, number)), otypes=[float]
             )(array)
-        found[name] = array.astype(float)
+        arrays[name] = array.astype(float)
         try:
-            np.broadcast_shapes(*(each.shape for each in found.values()))
+            np.broadcast_shapes(*(item.shape for item in arrays.values()))
         except ValueError:
             raise ParameterError(
                 name, array, "must have length 1 or the length of the others"
             ) from None
-    return list(found.values())
+    return list(arrays.values())
 
 
 def number_like(value: Number) -> Callable[[Fraction], Number]:
@@ -482,5 +482,5 @@ def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
     )
 
 
-MODEL_NAMES = tuple(each.name for each in fields(OtherModel))
+MODEL_NAMES = tuple(field.name for field in fields(OtherModel))
 NUMBER_NAMES = tuple(name for name in MODEL_NAMES if name != "joined")

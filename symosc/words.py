@@ -109,15 +109,15 @@ class Word(NamedTuple):
         The last map is followed by the first one, as on a periodic orbit. The entry is None for a
         flight, and for a stick if the next map is no flight that begins at its belt.
         """
-        found: list[str | None] = []
+        sides: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
             fit = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
             if after.domain == NEIGHBOURS[step.end.boundary][0]:
                 side = "below"
             else:
                 side = "above"
-            found.append(side if fit else None)
-        return tuple(found)
+            sides.append(side if fit else None)
+        return tuple(sides)
 
     def __str__(self) -> str:
         return "P" + "".join(label[1] for label in reversed(self.labels))

@@ -103,7 +103,7 @@ def test_texts_of_answers_are_short() -> None:
         symosc.grazing_curve(P, "P2"),
     ]
     answers += [symosc.crosscheck("fig9", t, x + 0.1 * (t > 30), v), symosc.find_orbit(P, "P32")]
-    for each in answers:
-        assert len(repr(each)) <= 4_000
-        assert len(str(each)) <= 4_000
+    for item in answers:
+        assert len(repr(item)) <= 4_000
+        assert len(str(item)) <= 4_000
     assert f"{len(motion.events):,} in all" in repr(motion.events)

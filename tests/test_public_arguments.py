@@ -37,7 +37,7 @@ WRONG: list[tuple[tuple[Any, ...], object]] = [
     ((arguments.NUMBER,), None),
     ((arguments.NUMBER,), np.timedelta64(3, "s")),
     ((arguments.TEXT, arguments.NONE), b"x"),
-    ((arguments.FILE,), 1),
+    (arguments.FILE, 1),
     ((arguments.POINT,), (1, 2, 3)),
     ((arguments.row_of(2, arguments.WHOLE),), (1, "x")),
     ((arguments.row_of(2, arguments.WHOLE),), "12"),
@@ -102,24 +102,22 @@ def fuzz(
     calls: dict[str, tuple[Callable[..., Any], dict[str, Any]]], rng: random.Random, share: float
 ) -> int:
     """Try a share of all values for all parameters of calls; return how many that were."""
-    found = []
+    results = []
     count = 0
-    for name, (call, given) in calls.items():
-        given = full(call, given)
-        for parameter in given:
+    for name, (call, valid) in calls.items():
+        valid = full(call, valid)
+        for parameter in valid:
             for value in VALUES:
                 if rng.random() < share and (parameter, value) != (
                     "use_numba",
                     "True",
                 ):  # which compiles for a minute
                     count += 1
-                    reason = wrong(name, call, given, parameter, value)
+                    reason = wrong(name, call, valid, parameter, value)
                     if reason:
-                        found += [f"{name}({parameter} = {value}) {reason}"]
-                    else:
-                        found += []
+                        results.append(f"{name}({parameter} = {value}) {reason}")
         plt.close("all")
-    assert found == []
+    assert results == []
     return count
 
 
@@ -142,8 +140,8 @@ def test_some_hostile_values() -> None:
 @pytest.mark.parametrize("share", [0.05, pytest.param(1.0, marks=pytest.mark.campaign)])
 def test_hostile_values_of_every_parameter(share: float) -> None:
     calls = functions() | of_answers()
-    for call, given in calls.values():
-        call(**given)
+    for call, valid in calls.values():
+        call(**valid)
     assert fuzz(calls, random.Random(2), share) > 15_000 * share
 
 
@@ -156,11 +154,11 @@ def test_everything_public_is_tried() -> None:
     tried = {name.split()[0] for name in functions() | of_answers()}
     for prefix, module in (("", symosc), ("plot.", plot)):
         for name in module.__all__:
-            found = getattr(module, name)
-            if isinstance(found, types.FunctionType):
+            result = getattr(module, name)
+            if isinstance(result, types.FunctionType):
                 assert prefix + name in tried
-            elif isinstance(found, type) and not issubclass(found, Exception):
-                for method, each in vars(found).items():
+            elif isinstance(result, type) and not issubclass(result, Exception):
+                for method, each in vars(result).items():
                     called = method in (
                         "__call__",
                         "__getitem__",

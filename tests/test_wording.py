@@ -88,10 +88,10 @@ def test_what_is_no_count_of_periods_is_refused(text: str) -> None:
 )  # fmt: skip
 def test_multiples_of_pi(monkeypatch: pytest.MonkeyPatch, text: str, value: float) -> None:
     monkeypatch.setitem(sys.modules, "pint", None)
-    found, exact = read_number("phase", text)
-    assert float(found) == pytest.approx(value, rel=1e-15)
+    result, exact = read_number("phase", text)
+    assert float(result) == pytest.approx(value, rel=1e-15)
     assert not exact
-    assert read_number("mu1", text)[0] == found  # of no dimension
+    assert read_number("mu1", text)[0] == result  # of no dimension
 
 
 @pytest.mark.parametrize("text", ["1/2π", "2^3π", "2**3π", "1/ 2pi"])
@@ -117,8 +117,8 @@ def test_phases_too() -> None:
 
 def test_an_axis_with_one_value() -> None:
     pytest.importorskip("xarray")
-    found = symosc.sweep(FIG9, {"FN": "10:10:1"}, t_end="4T", record="events")
-    assert found.FN.values.tolist() == [10.0]
+    dataset = symosc.sweep(FIG9, {"FN": "10:10:1"}, t_end="4T", record="events")
+    assert dataset.FN.values.tolist() == [10.0]
     message = refusal(lambda: symosc.sweep(FIG9, {"FN": "10:12:1"}))
     assert (
         message == "FN = '10:12:1': must have 2 or more values to go from a lower to a higher one"
@@ -167,9 +167,9 @@ def test_a_mistyped_keyword_suggests_the_right_one(name: str) -> None:
     from inspect import Parameter, signature
 
     parameters = signature(getattr(symosc, name)).parameters.values()
-    if any(each.kind is Parameter.VAR_KEYWORD for each in parameters):
+    if any(item.kind is Parameter.VAR_KEYWORD for item in parameters):
         pytest.skip("takes any name")
-    names = [each.name for each in parameters]
+    names = [item.name for item in parameters]
     for right in names:
         if len(right) < 4:
             continue

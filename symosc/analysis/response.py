@@ -38,7 +38,7 @@ from symosc.orbits.find import find_orbit, settled_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.reductions import NUMBER_NAMES, Harmonic, OtherModel, harmonic, motion_of_belts
-from symosc.scenes import Scene, load_scene, problem_of
+from symosc.scenes import Scene, problem_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tables import Columns
 from symosc.simulation.trajectory import Segment, Trajectory
@@ -191,22 +191,18 @@ def frequency_response(
     >>> frequency_response(model, {"Omega": [1.2, 1.6]}).transmissibility.round(6).tolist()
     [2.219519, 0.648392]
     """
-    what = problem_of(what, "what")
     require(mapping_of(*ARRAY_LIKE), over=over)
     require(*PROGRESS, progress=progress)
-    model = model_of(what)
+    model = _model_of(problem_of(what, "what"))
     if not isinstance(over, Mapping) or len(over) != 1:
         raise ParameterError(
             "over", over, 'must be one parameter with its values, such as {"Omega": "0.5:2:100"}'
         )
-    ((name, given),) = over.items()
+    ((name, axis),) = over.items()
     if name not in NUMBER_NAMES:
-        raise ParameterError(
-            "over",
-            name,
-            f"unknown parameter; choose from {', '.join(NUMBER_NAMES)}{meant(str(name), NUMBER_NAMES)}",
-        )
-    values = read_axis(name, given)
+        allowed = f"unknown parameter; choose from {', '.join(NUMBER_NAMES)}"
+        raise ParameterError("over", name, allowed + meant(str(name), NUMBER_NAMES))
+    values = read_axis(name, axis)
     rows = list[Record]()
     before = None
     with late_bar(progress, f"response over {name}", "values") as advance:
@@ -217,26 +213,21 @@ def frequency_response(
                 advance((i + 1) / len(values), i + 1)
     missing: Record = {"word": ""}
     columns = {
-        each: np.array([row.get(each, missing.get(each, nan)) for row in rows]) for each in COLUMNS
+        column: np.array([row.get(column, missing.get(column, nan)) for row in rows])
+        for column in COLUMNS
     }
     return FrequencyResponse(name=name, values=values, **columns)
 
 
-def model_of(what: Any) -> OtherModel:
-    """Return `what` (a scene, its name, Parameters or OtherModel) as an OtherModel; by default its
-    base is at rest.
-    """
-    if isinstance(what, OtherModel):
-        return what
-    if not isinstance(what, Parameters):
-        if isinstance(what, Scene):
-            scene = what
-        else:
-            scene = load_scene(what)
-        if scene.original is not None:
-            return scene.original.model
-        what = scene.parameters
-    return OtherModel(**by_name(what))
+def _model_of(problem: Scene | Parameters | OtherModel) -> OtherModel:
+    """Return a problem as an OtherModel; by default its base is at rest."""
+    if isinstance(problem, OtherModel):
+        return problem
+    if isinstance(problem, Parameters):
+        return OtherModel(**by_name(problem))
+    if problem.original is not None:
+        return problem.original.model
+    return OtherModel(**by_name(problem.parameters))
 
 
 def respond(
@@ -317,10 +308,10 @@ def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit 
     if before is None:
         return None
     scale = float(before.parameters.Omega / p.Omega)
-    found = _orbit(p, before.word, [(t * scale, x) for t, x in before.points])
+    orbit = _orbit(p, before.word, [(t * scale, x) for t, x in before.points])
     # it attracts all motions: there is no other
-    if found and found.stable:
-        return found
+    if orbit and orbit.stable:
+        return orbit
     return None
 
 
@@ -354,11 +345,11 @@ def _orbit(p: Parameters, word: str, points: list[tuple[float, float]]) -> Perio
     `points`, or None.
     """
     try:
-        found = find_orbit(p, word, points, periods=1)
+        orbit = find_orbit(p, word, points, periods=1)
     except (ConvergenceError, ParameterError, WordError):
         return None
-    if found.admissible:
-        return found
+    if orbit.admissible:
+        return orbit
     return None
 
 
@@ -389,7 +380,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     # sqrt(1 - (v_lambda/V)^2) sin(a), and where V < |v_lambda| the whole force and 0. The size of
     # both sides of the balance increases with V, so that there is one solution; inf where it grows
     # for ever.
-    m, c, k, Omega, B0 = (float(each) for each in (p.m, p.c, p.k, p.Omega, p.B0))
+    m, c, k, Omega, B0 = (float(number) for number in (p.m, p.c, p.k, p.Omega, p.B0))
     belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
     smallest, most = (
         4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf)
@@ -502,8 +493,8 @@ def turning_points(values: np.ndarray) -> np.ndarray:
 
     These are the two ends, and the turning points of the polynomial that goes through the values.
     """
-    found = linear.product(_gauss()[2], values)
-    slope = legendre.legder(legendre.legtrim(found, CONVERGED * np.abs(found).max()))
+    series = linear.product(_gauss()[2], values)
+    slope = legendre.legder(legendre.legtrim(series, CONVERGED * np.abs(series).max()))
     # The polynomial bends too little for two turning points between neighbours of these to matter.
     places = np.linspace(-1.0, 1.0, 8 * POINTS + 1)
     slopes = legendre.legval(places, slope)
@@ -537,7 +528,7 @@ def cycle_response(
     motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
     if motion.status == "undecidable":
         raise _unsettled(motion.message)
-    m, c, k, drive = (float(each) for each in (model.m, model.c, model.k, p.B0))
+    m, c, k, drive = (float(number) for number in (model.m, model.c, model.k, p.B0))
     belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
     shift_rate = model.shift.rate(model.Omega)
     base_rate = model.base.rate(model.Omega)
@@ -560,7 +551,7 @@ def cycle_response(
     for segment, (begin, end), t, weights, z, u in parts(motion):
         c_late = columns["cos"](Omega * (t + delay))
         s_late = columns["sin"](Omega * (t + delay))
-        w, w_rate, w_second, y, y_rate, force = (each.at(c_late, s_late) for each in waves)
+        w, w_rate, w_second, y, y_rate, force = (wave.at(c_late, s_late) for wave in waves)
         x = z + w
         v = u + w_rate
         driven = float(p.A0) + drive * columns["cos"](Omega * t) - c * u - k * z  # all but friction
@@ -598,7 +589,7 @@ def cycle_response(
     ends = motion([motion.t_start, motion.t_end])
     closure = np.abs(ends[:, 0] - ends[:, 1]) / [1, Omega]
     if orbit:
-        multiplier = max(abs(complex(each)) for each in orbit.multipliers)
+        multiplier = max(abs(complex(value)) for value in orbit.multipliers)
     else:
         multiplier = 0.0
     transmissibility = nan

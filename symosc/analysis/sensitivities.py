@@ -121,12 +121,12 @@ class Sensitivities(Comparable):
         ((2, 2), (2, 2, 2))
         """
         require(*ARRAY_LIKE, t=t)
-        given = read_times(t)
-        self.trajectory(given)  # which checks their range
-        changes = self._motion.at_times(given.ravel(), self.wrt, self.dt, self.dx)
+        times = read_times(t)
+        self.trajectory(times)  # which checks their range
+        changes = self._motion.at_times(times.ravel(), self.wrt, self.dt, self.dx)
         if self.trajectory.digits is None:
             changes = changes.astype(float)
-        return changes.reshape((2, *given.shape, len(self.wrt)))
+        return changes.reshape((2, *times.shape, len(self.wrt)))
 
     def __repr__(self) -> str:
         first = next((n for n, row in enumerate(self.regular) if not row.all()), None)
@@ -153,7 +153,7 @@ class _Columns:
         number = self.numbers.number
         piece = trajectory._pieces[:, 0]
         self.letters = np.array(
-            [[number(each) for each in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind
+            [[number(value) for value in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind
         )
         if self.context:
             theta = many_digits(p, self.context.dps).phase(start.t0)[0]
@@ -213,14 +213,14 @@ class _Columns:
         kept = [np.zeros((events, count), self.kind) for _ in range(2)]
         out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
         work = work_space(codes, self.kind)
-        one = np.zeros(1, np.int64)
+        first = np.zeros(1, np.int64)
         cuts = np.array([0, events])
         loop, table = self.loop("tangents", events)
         loop(
-            one,
+            first,
             cuts,
             self.starts,
-            one,
+            first,
             self.rows,
             codes,
             is_deep(codes),
@@ -390,7 +390,7 @@ def _reasons(
     The first entry also says so of the start. `marks` say for each event and name whether the
     derivative exists, `codes` which of REASONS an event has.
     """
-    found: list[str | None] = [None] * len(codes)
+    reasons: list[str | None] = [None] * len(codes)
     for n in np.flatnonzero(codes).tolist():
         event = columns.trajectory.events[n]
         if codes[n] == tangent.KINK:
@@ -400,12 +400,12 @@ def _reasons(
                 for name, mark in zip(wrt, marks[n].tolist(), strict=True)
                 if mark > 1
             ]
-            found[n] = f"after the graze at t = {float(event.t):.6g} for {', '.join(sides)}"
+            reasons[n] = f"after the graze at t = {float(event.t):.6g} for {', '.join(sides)}"
         elif codes[n] != tangent.ROUGH:
-            found[n] = REASONS[codes[n]].format(t=float(event.t), belt=event.boundary)
-    if found and (at_start := _kink_at_start(columns, wrt, marks)):
-        found[0] = "; ".join(filter(None, (at_start, found[0])))
-    return tuple(found)
+            reasons[n] = REASONS[codes[n]].format(t=float(event.t), belt=event.boundary)
+    if reasons and (at_start := _kink_at_start(columns, wrt, marks)):
+        reasons[0] = "; ".join(filter(None, (at_start, reasons[0])))
+    return tuple(reasons)
 
 
 def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:

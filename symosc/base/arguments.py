@@ -162,6 +162,10 @@ def _is_row(kind: type) -> bool:
     return hasattr(kind, "dtype") and hasattr(kind, "__len__")
 
 
+# It remembers which types are rows.
+_ROW = Kind("a sequence", _is_row)
+
+
 def _is_text(kind: type) -> bool:
     return issubclass(kind, str)
 
@@ -205,15 +209,14 @@ def _is_shallow(value: Any, depth: int = MOST_DEPTH) -> bool:
 
 
 def _is_array(value: Any) -> bool:
-    kind = type(value)
-    return (_is_row(kind) or hasattr(kind, "dtype")) and _is_shallow(value)
+    return (_ROW.takes(value) or hasattr(type(value), "dtype")) and _is_shallow(value)
 
 
 def _is_word(value: Any) -> bool:
     """Return whether a value is an iterator, or a sequence that can be read as a word."""
     if hasattr(type(value), "__next__"):
         return True
-    return _is_row(type(value)) and _is_short(value) and _is_shallow(value)
+    return _ROW.takes(value) and _is_short(value) and _is_shallow(value)
 
 
 def _is_solution(value: Any) -> bool:
@@ -255,7 +258,8 @@ NUMBER = Kind(
 )
 TEXT = Kind("text", _is_text)
 SLICE = Kind("a slice", lambda kind: kind is slice)
-FILE = Kind("text or a path", _is_file_name)
+#: The name of a file.
+FILE = (TEXT, Kind("a path", _is_file_name))
 SCENE_NAME = Kind("the name or file of a scene", _is_file_name)
 #: What `symosc.scenes.parameters_of` reads besides Parameters and objects that have some.
 SCENE_OR_NAME = Kind("a Scene, or the name or file of one", _is_file_name)
@@ -291,7 +295,7 @@ def row_of(count: int, *kinds: Kind | type) -> Kind:
     """Return the kind of sequences of `count` entries of some kinds (none: of any)."""
 
     def fits(value: Any) -> bool:
-        if not (_is_row(type(value)) and _is_short(value) and len(value) == count):
+        if not (_ROW.takes(value) and _is_short(value) and len(value) == count):
             return False
         return not kinds or all(_fits(kinds, entry) for entry in value)
 
@@ -309,7 +313,7 @@ def sequence_of(*kinds: Kind | type, once: bool = False) -> Kind:
     """
 
     def fits(value: Any) -> bool:
-        if not _is_row(type(value)):
+        if not _ROW.takes(value):
             return once and hasattr(type(value), "__next__")
         return _is_short(value) and all(_fits(kinds, entry) for entry in value)
 
@@ -345,7 +349,7 @@ ORDER = one_of("full", "paper")
 #: A point of a switching plane.
 POINT = Kind(
     "a pair (x, theta)",
-    by_value=lambda value: _is_row(type(value)) and _is_short(value) and len(value) == 2,
+    by_value=lambda value: _ROW.takes(value) and _is_short(value) and len(value) == 2,
 )
 
 
@@ -392,7 +396,10 @@ def _misfit(function: Callable[..., object], count: int, named: Mapping[str, obj
     unknown = next((name for name in named if name not in names), None)
     if unknown is None:
         return ""
-    known = f"; known are {', '.join(names)}{meant(unknown, names)}" if names else ""
+    if names:
+        known = f"; known are {', '.join(names)}{meant(unknown, names)}"
+    else:
+        known = ""
     return f"{title} got an unexpected keyword argument {unknown!r}{known}"
 
 
@@ -402,6 +409,9 @@ def _too_many(title: str, parameters: Sequence[inspect.Parameter]) -> str:
     by_name = [f"{item.name}=" for item in parameters if item.kind is item.KEYWORD_ONLY]
     if not by_name:
         by_name = ["NAME=VALUE" for item in parameters if item.kind is item.VAR_KEYWORD]
-    allowed = f"only {in_order}" if in_order else "nothing"
-    more = f"; give more by name: {', '.join(by_name)}" if by_name else ""
-    return f"{title} takes {allowed} without a name{more}"
+    message = f"{title} takes nothing without a name"
+    if in_order:
+        message = f"{title} takes only {in_order} without a name"
+    if by_name:
+        message += f"; give more by name: {', '.join(by_name)}"
+    return message

@@ -69,7 +69,7 @@ def evaluated(name: str, text: str, forms: str) -> Any:
     except (SyntaxError, RecursionError, MemoryError):
         raise ParameterError(name, text, forms) from None
     except (ZeroDivisionError, OverflowError):
-        allowed = f"has no value of at most {float(LARGEST):g} in size"
+        allowed = f"the expression has no value of at most {float(LARGEST):g} in size"
         raise ParameterError(name, text, allowed) from None
 
 
@@ -155,7 +155,7 @@ class _Evaluator(NamedTuple):
         from mpmath import iv
 
         if function == "sqrt" and argument.a < 0:
-            raise self._refused("has no value: the root of a negative number")
+            raise self._refused("the root of a negative number has no value")
         if function == "exp" and argument.b > LARGEST.numerator.bit_length():
             raise OverflowError
         return getattr(iv, function)(argument)

@@ -110,7 +110,7 @@ def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> No
 
     `wanted` ends the message if it is a file.
     """
-    above = next(each for each in (folder, *folder.absolute().parents) if os.path.exists(each))
+    above = next(place for place in (folder, *folder.absolute().parents) if os.path.exists(place))
     if not above.is_dir():
         raise OutputError(str(folder), f"{above} is a file, but {wanted}")
     if not os.access(above, os.W_OK):
@@ -174,9 +174,9 @@ def write_folder(
         with draft_in(target.parent) as folder:
             draft = folder / "new"
             away = folder / "old"
-            for each, text in texts.items():
-                (draft / each).parent.mkdir(parents=True, exist_ok=True)
-                (draft / each).write_bytes(text.encode())
+            for name, text in texts.items():
+                (draft / name).parent.mkdir(parents=True, exist_ok=True)
+                (draft / name).write_bytes(text.encode())
             if target.exists():
                 target.rename(away)
             try:
@@ -205,8 +205,8 @@ def check_folder(path: str | Path, earlier: Callable[[Path], Container[str]]) ->
     if not target.is_dir():
         raise OutputError(name, "it is not a folder")
     known = earlier(target)
-    for each in sorted(target.rglob("*")):
-        inside = each.relative_to(target).as_posix()
-        if not each.is_dir() and inside not in known:
+    for entry in sorted(target.rglob("*")):
+        inside = entry.relative_to(target).as_posix()
+        if not entry.is_dir() and inside not in known:
             raise OutputError(name, f"its file {inside} would be lost; name another folder")
     return target

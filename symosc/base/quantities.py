@@ -148,7 +148,7 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
         raise ParameterError(
             name,
             text,
-            f"is not known to {KNOWN_DIGITS} digits, as they cancel; write it as a number, 0 if "
+            f"its {KNOWN_DIGITS} digits cancel, so that they are not known; write it as a number, 0 if "
             "it is that",
         )
     return rounded((low + high) / 2), False

@@ -45,7 +45,7 @@ from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import SETTLING_PERIODS, find_orbit
-from symosc.scenes import Scene, load_scene, scene_of
+from symosc.scenes import Scene, parameters_of, scene_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, read_word
 
@@ -815,15 +815,11 @@ def atlas(
     >>> atlas("fig9", {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1).word_at(Omega=4, FN=10)
     'P32'
     """
-    what = scene_of(what, "what")
+    p = parameters_of(scene_of(what, "what"))
     require(mapping_of(row_of(2, NUMBER)), over=over)
-    require_or_none(FILE, path=path)
+    require_or_none(*FILE, path=path)
     require(*PROGRESS, progress=progress)
     began = monotonic()
-    if isinstance(what, Parameters):
-        p = what
-    else:
-        p = (what if isinstance(what, Scene) else load_scene(what)).parameters
     plane = _read_plane(p, over)
     share = read_exact("prove", prove)
     if not 0 <= share <= 1:
@@ -847,7 +843,9 @@ def atlas(
     if earlier:
         before, boxes, left, grid, pairs = _read_file(path)
         if before != plane:
-            raise ParameterError("path", path, "is the atlas of another plane: name another file")
+            raise ParameterError(
+                "path", path, "must not be the atlas of another plane; name another file"
+            )
     with (
         process_pool(count) if count > 1 else nullcontext() as pool,
         reporting(progress, 0, float(share), "proven", "") as report,

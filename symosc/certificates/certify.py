@@ -131,7 +131,7 @@ def certify(
     ):
         if value is not None:
             raise ParameterError(
-                name, value, f"is for a scene only, not for a {type(what).__name__}"
+                name, value, f"{name} applies to a scene only, not to a {type(what).__name__}"
             )
     if isinstance(what, PeriodicOrbit):
         from symosc.certificates.orbit import certify_orbit
@@ -174,7 +174,7 @@ def _motion(
     errors = read_start_error(scene.start_error) or EXACT
     wanted = read_digits(digits, 500) or DIGITS  # digits of enclosures that may be asked for
     if wrt and any(errors):
-        raise ParameterError("wrt", wrt, "is for a start that is known exactly")
+        raise ParameterError("wrt", wrt, "wrt requires a start that is known exactly")
     task = ToProve(
         scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted, wrt
     )

@@ -96,12 +96,12 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
     # undecided at the smallest width is a touch too.
     if p[0] - sum(abs(term) for term in p[1:]) > noise:
         return False, None
-    one = 1 + 0 * p[0]
+    unit = 1 + 0 * p[0]
     slope = [k * term for k, term in enumerate(p)][1:]
     # The smallest interval: where the slope has several roots nearer to each other than this, it is
     # a touch.
     narrowest = max(eps**0.5 / 16, 2.0**-60)
-    stack = [(0 * one, one, bernstein(p))]
+    stack = [(0 * unit, unit, bernstein(p))]
     while stack:
         low, high, b = stack.pop()
         if min(b) > noise:
@@ -267,7 +267,7 @@ class BackwardSteps:
         self.boundaries = [
             Boundary(n, (K.belt1 if n == 1 else K.belt2).v, inward) for n, inward in numbers
         ]
-        self.touched = next(each for each in self.boundaries if each.number == boundary)
+        self.touched = next(line for line in self.boundaries if line.number == boundary)
         self.growth = functions.exp(K.cm * self.H)
         # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in
         # place of its constants.
@@ -338,7 +338,7 @@ class BackwardSteps:
         if K.w0 > 0:
             v_error = min(v_error, energy_error / K.w0 + rounding + eps * abs(v))
         energy_error = max(energy_error, K.w0 * rounding)
-        found: BackwardHit | None = None
+        hit: BackwardHit | None = None
         for boundary in self.boundaries:
             at_start = tau == 0 and boundary is self.touched
             noise = remainder + (rounding if at_start else v_error)
@@ -355,11 +355,9 @@ class BackwardSteps:
                     *(boundary.inward * term for term in T[1:]),
                 ]
             touch, sigma = first_root(p, noise, eps)
-            if sigma is not None and (found is None or sigma < found[1]):
-                found = touch, sigma, boundary
-        return BackwardStep(
-            state._replace(v_error=v_error, energy_error=energy_error), T, end, found
-        )
+            if sigma is not None and (hit is None or sigma < hit[1]):
+                hit = touch, sigma, boundary
+        return BackwardStep(state._replace(v_error=v_error, energy_error=energy_error), T, end, hit)
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
         """Return sine and cosine of the drive's phase at the time tau before the tangency at the
@@ -387,9 +385,9 @@ class BackwardSteps:
             state.tau + tau, dx, state.v + dv, a, state.v_error, x_error, state.energy_error
         )
 
-    def contact(self, step: BackwardStep, found: BackwardHit) -> BackwardState:
+    def contact(self, step: BackwardStep, hit: BackwardHit) -> BackwardState:
         """Return the state at the contact `found` in a step."""
-        touch, sigma, boundary = found
+        touch, sigma, boundary = hit
         if touch:
             kind = TOUCH
         else:
@@ -412,7 +410,9 @@ def _changes_over(T: list[Number], sigma: Number) -> tuple[Number, Number, Numbe
     """Return the change of the polynomial T from 0 to sigma, its slope at sigma, and its integral
     from 0 to sigma.
     """
-    change = slope = area = 0 * sigma
+    change = 0 * sigma
+    slope = change
+    area = change
     for k in range(len(T) - 1, -1, -1):
         slope = slope * sigma + change
         change = change * sigma + (T[k] if k else 0)
@@ -503,21 +503,23 @@ class Flights:
             tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate
         )
 
-    def refined(self, theta: Number, found: BackwardState, tau_max: Number) -> BackwardState | None:
+    def refined(
+        self, theta: Number, arrival: BackwardState, tau_max: Number
+    ) -> BackwardState | None:
         """Refine the result `found` of a search back to `tau_max` to all digits; None if Newton's
         method fails.
         """
-        if found.kind in (NEVER, LARGE, LONG):
-            return found
-        tau = self.number(tau_max if found.kind == REACHED else found.tau)
-        if found.boundary:
-            speed = self.number(self.p.belt(found.boundary))
+        if arrival.kind in (NEVER, LARGE, LONG):
+            return arrival
+        tau = self.number(tau_max if arrival.kind == REACHED else arrival.tau)
+        if arrival.boundary:
+            speed = self.number(self.p.belt(arrival.boundary))
         else:
             speed = None
         if speed is not None:
             begin = tau
-            time_error = abs(float(found.v_error) / (float(found.a) or 1.0))
-            tau = self._contact_time(theta, tau, speed, found.kind == TOUCH)
+            time_error = abs(float(arrival.v_error) / (float(arrival.a) or 1.0))
+            tau = self._contact_time(theta, tau, speed, arrival.kind == TOUCH)
             # Newton's method may carry a contact this far from where the search has found it, as a
             # part of a step.
             if tau is None or abs(tau - begin) > 1e-3 * STEP / float(self.K.rate) + time_error:
@@ -527,7 +529,7 @@ class Flights:
             v = now.v
         else:
             v = speed
-        return found._replace(
+        return arrival._replace(
             tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error
         )
 
@@ -657,8 +659,8 @@ class Origins:
         for _ in range(most_steps):
             step = steps.take(theta, order, state)
             state = step.begin
-            found = step.found
-            if repeats and found and found[0] and state.tau <= far:
+            hit = step.found
+            if repeats and hit and hit[0] and state.tau <= far:
                 tau = state.tau
                 repeats_left = repeats_left - 1
                 for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
@@ -672,10 +674,10 @@ class Origins:
                 if arrival.tau <= far:
                     return arrival
                 return self._state_at_limit(theta, order, state, far)
-            if state.tau + (found[1] if found else 1.0) * steps.H > far:
+            if state.tau + (hit[1] if hit else 1.0) * steps.H > far:
                 return self._state_at_limit(theta, order, state, far)
-            if found:
-                return steps.contact(step, found)
+            if hit:
+                return steps.contact(step, hit)
             if state.tau > 0 and self._never_came(theta, state):
                 return state._replace(kind=NEVER)
             state = steps.moved(step)
@@ -719,13 +721,13 @@ class Origins:
         """
         # `far` is the time to search, as a number of the given flights.
         flights = self.flights(wanted + 20)
-        found = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, 200))
+        doubles = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, 200))
         while True:
-            arrival = flights.refined(flights.number(angle), found, far(flights))
+            arrival = flights.refined(flights.number(angle), doubles, far(flights))
             if arrival is None:
-                return found._replace(kind=UNDECIDED), flights
+                return doubles._replace(kind=UNDECIDED), flights
             if arrival.kind not in (REACHED, LONG) and arrival.tau > far(flights):
-                found = found._replace(kind=REACHED, boundary=0)
+                doubles = doubles._replace(kind=REACHED, boundary=0)
                 continue
             # The errors of a contact's time and position, or of the state at the end of the search.
             worst = 0 * arrival.a

@@ -169,7 +169,7 @@ class GrazingReport:
         lines.append(
             f"  decided by {orders}; {self.finely} phases needed intervals; {self.seconds:.2f} s"
         )
-        lines += [f"  mismatch: {each}" for each in self.mismatches[:20]]
+        lines += [f"  mismatch: {mismatch}" for mismatch in self.mismatches[:20]]
         return "\n".join(lines)
 
 
@@ -231,8 +231,8 @@ def check_grazing(
     parts = []
     done = 0
 
-    def disagree(phase: object, way: str, expected: str, found: str) -> None:
-        mismatches.append({"theta": str(phase), "way": way, "window": expected, "found": found})
+    def disagree(phase: object, way: str, expected: str, seen: str) -> None:
+        mismatches.append({"theta": str(phase), "way": way, "window": expected, "found": seen})
 
     of_window = place_text(window.place)
     of_map = place_text(ways.place)
@@ -477,7 +477,7 @@ class Ways:
             [float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)
         ]
         gaps = [
-            self._velocity_gap(each, np.sin(theta), np.cos(theta), self.v, self.K) for each in bases
+            self._velocity_gap(base, np.sin(theta), np.cos(theta), self.v, self.K) for base in bases
         ]
         return _verdicts(
             gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order_bound(tau)) * tau**2

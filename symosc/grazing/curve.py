@@ -138,8 +138,8 @@ class CurvePiece:
         if not isinstance(other, CurvePiece):
             return NotImplemented
         return all(
-            np.array_equal(getattr(self, each.name), getattr(other, each.name))
-            for each in fields(self)
+            np.array_equal(getattr(self, field.name), getattr(other, field.name))
+            for field in fields(self)
         )
 
 
@@ -269,13 +269,13 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
     first = samples[0].theta_m
     last = samples[-1].theta_m
     margin = 0.1 * (last - first)
-    few = sum(first + margin < each.theta_m < last - margin for each in samples) < PIECE_POINTS
+    few = sum(first + margin < sample.theta_m < last - margin for sample in samples) < PIECE_POINTS
     if few and last - first >= FINEST_CURVE:
         between = [
             tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]
         ]
-        inner = [each for each in between if each.origin == OWN]
-        samples = sorted([*samples, *inner], key=lambda each: each.theta_m)
+        inner = [sample for sample in between if sample.origin == OWN]
+        samples = sorted([*samples, *inner], key=lambda sample: sample.theta_m)
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
     columns = {name: np.array([getattr(sample, name) for sample in samples]) for name in names}
     low = CurveEnd(run.span[0], samples[0].x, samples[0].theta, run.reasons[0])
@@ -431,8 +431,8 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
     # The last run of a full circle is joined to the first, one turn later.
     turn = 2 * pi
     later = [
-        replace(each, theta_m=each.theta_m + turn, theta=each.theta + turn)
-        for each in first.samples[1:]
+        replace(sample, theta_m=sample.theta_m + turn, theta=sample.theta + turn)
+        for sample in first.samples[1:]
     ]
     reasons = last.reasons[0], first.reasons[1]
     return [
@@ -490,8 +490,8 @@ def _edge(
         return None
     border = 0.5 * (left.theta_m + right.theta_m)
     return (
-        [each for each in lefts if not each.undecided],
-        [each for each in rights if not each.undecided],
+        [sample for sample in lefts if not sample.undecided],
+        [sample for sample in rights if not sample.undecided],
         border,
     )
 

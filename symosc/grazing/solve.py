@@ -91,7 +91,7 @@ class GrazingSolutions(list[GrazingStart], LatexAnswer):
         if not self:
             return latex_words(self.message)
         rows = [
-            [latex_number(each) for each in (start.theta, start.x, start.theta_m, start.x_m)]
+            [latex_number(number) for number in (start.theta, start.x, start.theta_m, start.x_m)]
             for start in self
         ]
         return latex_table((r"\Omega t_i", "x_i", r"\Omega t_m", "x_m"), rows)
@@ -170,51 +170,70 @@ def solve_grazing(
         exact = read_exact(name, value)
     else:
         exact = read_phase(name, value)
-    found = list[GrazingStart]()
-    notes = list[str]()
-    complete = True
     if name in ("x_i", "theta_i"):
         curve = grazing_curve(p, mapping, n, progress=progress)
         candidates = Candidates(curve, name, exact, digits or DEFAULT_DIGITS)
-        notes = candidates.notes
-        for phase in filter(window.contains, candidates.phases):
-            start = start_of(curve._source, times(phase, 1 / p.Omega), phase, digits=digits)
-            if start.found and _has_value(start, p, name, exact, digits or DEFAULT_DIGITS):
-                found.append(start)
-            else:
-                notes.append(
-                    f"near theta_m = {float(phase):.12g} a solution could not be confirmed"
-                )
+        solutions, notes = _confirmed(candidates, curve, window, digits)
         complete = not notes
-        if not found and complete:
-            notes.append(candidates.why_none())
-        if len(notes) > MOST_NOTES:
-            notes[MOST_NOTES:] = [f"and {len(notes) - MOST_NOTES} more such places"]
+        if not solutions and complete:
+            notes = [candidates.why_none()]
     else:
-        if name == "x_j":
-            phases = _phases_of_contact(window, exact)
-        else:
-            phases = [reduced(exact)]
-        starts = [
-            grazing_start(p, mapping, phase, digits=digits)
-            for phase in phases
-            if window.contains(phase)
-        ]
-        found = [start for start in starts if start.found]
+        starts, notes = _from_contacts(window, name, exact, digits)
+        solutions = [start for start in starts if start.found]
         complete = not any(start.undecided for start in starts)
-        notes = [
-            f"theta_m = {float(start.theta_m):.12g}: {start.reason}"
-            for start in starts
-            if not start.found
-        ]
-        if not starts:
-            notes = [f"no tangency in the grazing window has this value: {window!r}"]
-    found.sort(key=lambda start: float(start.theta_m))
-    if not found and not window.kind:
-        message = "the grazing window is empty"
-    else:
+    solutions.sort(key=lambda start: float(start.theta_m))
+    if solutions or window.kind:
         message = "; ".join(notes)
-    return GrazingSolutions(found, complete, message)
+    else:
+        message = "the grazing window is empty"
+    return GrazingSolutions(solutions, complete, message)
+
+
+def _confirmed(
+    candidates: Candidates,
+    curve: curves.GrazingCurve,
+    window: GrazingWindow,
+    digits: int | None,
+) -> tuple[list[GrazingStart], list[str]]:
+    """Return the candidates on a curve that are grazing motions, and notes about what is left open."""
+    p = window.parameters
+    notes = candidates.notes
+    solutions = []
+    for phase in filter(window.contains, candidates.phases):
+        start = start_of(curve._source, times(phase, 1 / p.Omega), phase, digits=digits)
+        value = candidates.value
+        if start.found and _has_value(start, p, candidates.name, value, digits or DEFAULT_DIGITS):
+            solutions.append(start)
+        else:
+            notes.append(f"near theta_m = {float(phase):.12g} a solution could not be confirmed")
+    if len(notes) > MOST_NOTES:
+        notes[MOST_NOTES:] = [f"and {len(notes) - MOST_NOTES} more such places"]
+    return solutions, notes
+
+
+def _from_contacts(
+    window: GrazingWindow, name: str, exact: Any, digits: int | None
+) -> tuple[list[GrazingStart], list[str]]:
+    """Return the starts of motions whose contact has the value `exact` of x_j, theta_j or theta_m,
+    whether they are found or not, and notes about those that are not.
+    """
+    if name == "x_j":
+        phases = _phases_of_contact(window, exact)
+    else:
+        phases = [reduced(exact)]
+    starts = [
+        grazing_start(window.parameters, window.mapping, phase, digits=digits)
+        for phase in phases
+        if window.contains(phase)
+    ]
+    if not starts:
+        return [], [f"no tangency in the grazing window has this value: {window!r}"]
+    notes = [
+        f"theta_m = {float(start.theta_m):.12g}: {start.reason}"
+        for start in starts
+        if not start.found
+    ]
+    return starts, notes
 
 
 def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
@@ -270,6 +289,7 @@ class Candidates:
         self.curve = curve
         self.source = curve._source
         self.name = name
+        self.value = value
         self.K = curve._source.K
         # With so many digits more than wanted slopes up to 1e15 can be distinguished from a jump in
         # doubles.
@@ -357,8 +377,8 @@ class Candidates:
                     self._store_if_between(
                         self._newton(turning.theta_m, turning.tau, target), first, last
                     )
-        for each in ends:
-            self._note_endless(*each, piece)
+        for endless in ends:
+            self._note_endless(*endless, piece)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
         """Return a piece's samples as points.
@@ -512,7 +532,7 @@ class Candidates:
         flights = self.flights
         phase = Fraction(theta_m)
         arrival, _ = self.source.exact(
-            phase, 1, lambda each: each.K.period * SEARCH_PERIODS, flights.digits
+            phase, 1, lambda family: family.K.period * SEARCH_PERIODS, flights.digits
         )
         if arrival.kind != TOUCH:
             return None
@@ -549,8 +569,8 @@ class Candidates:
             return False
         turn = 2 * self.flights.context.pi
         theta -= turn * self.flights.context.floor(theta / turn)
-        for other, time in self._solutions:
-            apart = abs(other - theta)
+        for angle, time in self._solutions:
+            apart = abs(angle - theta)
             if min(apart, turn - apart) < SAME_ROOT and abs(time - tau) < 1e-9 * max(tau, 1e-9):
                 return True
         self._solutions.append((theta, tau))

@@ -233,15 +233,15 @@ def start_of(
     else:
         verb = "comes from"
     if until is None:
-        found = boundary == belt
+        matches = boundary == belt
         reason = f"the flow {verb} {point}, not belt {belt}"
     else:
-        found = kind == backward.REACHED
+        matches = kind == backward.REACHED
         reason = f"between t0 and t_m the flow {verb} {point}"
     nowhere = kind not in (backward.CONTACT, backward.TOUCH) and not (
         kind == backward.REACHED and until is not None
     )
-    found = found and not nowhere
+    matches = matches and not nowhere
     since = f"backward from t = {float(t):.6g}"
     ended = f"the search ended at t = {float(t):.6g}"
     reasons = {
@@ -283,8 +283,8 @@ def start_of(
     values = {"t": t, "x": x, "v": flights.number(velocity), "theta": theta}
     return GrazingStart(
         mapping=mapping,
-        found=found,
-        reason=None if found else reasons.get(kind, reason),
+        found=matches,
+        reason=None if matches else reasons.get(kind, reason),
         **{name: None if nowhere else out(value) for name, value in values.items()},
         boundary=0 if nowhere else boundary,
         touch=kind == backward.TOUCH,

@@ -251,18 +251,17 @@ class GrazingWindow(Drawable, LatexAnswer):
         if not (isinstance(theta, np.ndarray) and theta.ndim):
             return self._sign_at(theta) > 0
         if theta.dtype.kind not in "fiu":
-            return np.array([self.contains(each) for each in theta.flat], dtype=bool).reshape(
-                theta.shape
-            )
+            inside = np.array([self.contains(phase) for phase in theta.flat], dtype=bool)
+            return inside.reshape(theta.shape)
         if not np.all(np.isfinite(theta)):
             raise ParameterError("theta", theta[~np.isfinite(theta)][0], "must be finite")
         if self.kind in (EMPTY, EVERYTHING):
             return np.full(theta.shape, self.kind == EVERYTHING)
         distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
         inside = distance * (self.place.side * self.signs[1]) > 0
-        for index in zip(
-            *np.nonzero(np.abs(distance) <= 1e-12), strict=True
-        ):  # sin is right to 1e-15
+        # numpy's sine is right to 1e-15.
+        close = np.nonzero(np.abs(distance) <= 1e-12)
+        for index in zip(*close, strict=True):
             inside[index] = self._sign_at(theta[index]) > 0
         return inside
 
@@ -437,18 +436,16 @@ def phases_text(window: GrazingWindow) -> str:
     sine = -window.gamma / window.amplitude
     if window.kind == cases.ALL_BUT_ONE:
         if above:
-            low = high = "3*pi/2"
+            low = "3*pi/2"
         else:
-            low = high = "pi/2"
+            low = "pi/2"
+        high = low
     else:
         later = (window.kind == cases.WRAPPED_ARC) == above  # a turn after Theta_cr
         low = angle_text(1, sine, 2 * later)
         high = angle_text(-1, sine, 1)
-        if above:
-            low = low
-            high = high
-        else:
-            low, high = (high, low)
+        if not above:
+            low, high = high, low
     if window.kind == cases.ARC:
         return f"({low}, {high})"
     return f"[0, {high}) U ({low}, 2*pi)"
@@ -553,19 +550,15 @@ def grazing_windows(
     else:
         shape = ()
     size = math.prod(shape)
-    pairs = []
-    for name in names:
-        if name in arrays:
-            constant = Fraction(0)
-        else:
-            constant = getattr(p, name)
-        high = float(constant)  # a Fraction as a pair of doubles, right to 2^-106
-        pairs.append(arrays[name].ravel() if name in arrays else np.full(size, high))
-        pairs.append(np.full(size, float(constant - Fraction(high))))
+    pairs = [
+        column
+        for name in names
+        for column in _pair_columns(arrays.get(name), getattr(p, name), size)
+    ]
     columns = WindowColumns(np.empty(size, np.int8), *(np.empty(size) for _ in range(3)))
     _window_loop()(tuple(pairs), where.side, full, tuple(columns))
     for i in np.flatnonzero(columns.kind == cases.EQUALITY_UNDECIDED):
-        values = {name: Fraction(float(each.flat[i])) for name, each in arrays.items()}
+        values = {name: Fraction(float(array.flat[i])) for name, array in arrays.items()}
         exact = grazing_window(p.replace(**values), mapping, order)
         columns.kind[i] = exact.kind
         columns.theta_cr[i] = float(exact.critical_phase())
@@ -575,6 +568,18 @@ def grazing_windows(
         else:
             columns.low[i], columns.high[i] = exact.ends
     return WindowColumns(*(column.reshape(shape) for column in columns))
+
+
+def _pair_columns(
+    array: np.ndarray | None, constant: Fraction, size: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a parameter as columns of pairs of doubles: an array as it is, or a constant, which is
+    right to 2^-106.
+    """
+    if array is not None:
+        return array.ravel(), np.zeros(size)
+    high = float(constant)
+    return np.full(size, high), np.full(size, float(constant - Fraction(high)))
 
 
 @lru_cache(maxsize=1)

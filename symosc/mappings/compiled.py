@@ -160,7 +160,7 @@ class CompiledResidual:
         can call.
         """
         if len(self._rows) > 1:
-            raise ParameterError("map", self.maps, "is a word; `scalar` is of one map")
+            raise ParameterError("map", self.maps, "must be a single map, not a word, for `scalar`")
         return _scalar(self._rows[0], self._K, self.jacobian, self.exit)
 
     def _fill(self, row: Map, points: Any) -> tuple[np.ndarray, np.ndarray | None]:

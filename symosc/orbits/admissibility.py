@@ -40,6 +40,8 @@ from symosc.simulation.simulate import simulate
 # a margin below this part of the terms that it is a difference of is decided in more digits
 MARGINAL = 1e-9
 FINE_DIGITS = 50
+# Digits with which the engine follows an orbit whose margins are small.
+ENGINE_DIGITS = (30, 60)
 SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
 
 
@@ -128,7 +130,7 @@ def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     """
     points = [(equations.number(x), equations.number(theta)) for x, theta in points]
     sizes = scales(equations, points)
-    found = list[Condition]()
+    all_conditions = list[Condition]()
     for i, span in enumerate(equations.spans(points)):
         following = equations.pieces[(i + 1) % len(points)]
         if span.piece.sticks:
@@ -136,10 +138,10 @@ def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
         else:
             rows = _flight(equations, span, following, sizes)
         for text, value, theta, event, rank, size in rows:
-            found.append(
+            all_conditions.append(
                 Condition(i, text, float(value), float(theta / equations.K.Om), event, rank, size)
             )
-    return found
+    return all_conditions
 
 
 #: What `Condition` holds of a margin: text, value, phase at which it is closest to 0, event, rank,
@@ -356,14 +358,14 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     # orbit grazes, seen from below and from above.
     K = equations.K
     points = [(float(x), float(theta)) for x, theta in points]
-    found = [c.value for c in conditions(equations, points) if "stays in" in c.text]
+    distances = [c.value for c in conditions(equations, points) if "stays in" in c.text]
     for piece, start, _, tau in equations.spans(points):
         if not piece.sticks:
             past = extrema(
                 tau, tau + K.period, equations.start_of_flight(piece, start), False, equations
             )
-            found += [abs(each.v - equations.belt(piece.end).v) for each in past[:1]]
-    return float(min(found, default=inf))
+            distances += [abs(state.v - equations.belt(piece.end).v) for state in past[:1]]
+    return float(min(distances, default=inf))
 
 
 def concerns_whole_piece(condition: Condition) -> bool:
@@ -373,9 +375,9 @@ def concerns_whole_piece(condition: Condition) -> bool:
     return " stays in " in condition.text or " during " in condition.text
 
 
-def failing(found: list[Condition]) -> list[Condition]:
+def failing(tested: list[Condition]) -> list[Condition]:
     """Return those of the given conditions that fail, sorted by `Condition.rank`."""
-    return sorted((c for c in found if not c.value > 0), key=lambda c: c.rank)
+    return sorted((c for c in tested if not c.value > 0), key=lambda c: c.rank)
 
 
 # -- the verdict -----------------------------------------------------------------------------------
@@ -386,10 +388,9 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
 
     [] for an orbit.
     """
-    found = conditions(equations, points)
-    small = any(abs(condition.value) < MARGINAL * condition.scale for condition in found)
-    if not small and not ill_conditioned(equations, points):
-        failed = failing(found)
+    tested = conditions(equations, points)
+    if not _has_small_margin(tested) and not ill_conditioned(equations, points):
+        failed = failing(tested)
         if failed or engine_contradiction(equations, points) is None:
             return failed
     fine = equations.with_digits(FINE_DIGITS)
@@ -397,27 +398,7 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     with suppress(ZeroDivisionError, ValueError):  # a flight loses all its length on the way
         root = polish(fine, points)
     if not root.converged:
-        # The pieces whose duration tends to 0 in Newton's method, at a multiple root, and what may
-        # fail else.
-        was = equations.spans(points)
-        now = fine.spans(root.points)
-        gone = {
-            i
-            for i in range(len(was))
-            if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)
-        }
-        lasts = [c for c in found if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
-        if lasts:
-            return [c._replace(value=0.0) for c in lasts]
-        nearest = sorted((c for c in found if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
-        text = " (it cannot be decided: the equations are singular there)"
-        undecided = failing(found) or [c._replace(text=c.text + text, value=0.0) for c in nearest]
-        if small or failing(found):
-            return undecided
-        wrong = engine_contradiction(equations, points)
-        if wrong is None:
-            return []
-        return undecided or [wrong]
+        return _failures_of_multiple_root(equations, fine, points, root.points, tested)
     decided = conditions(fine, root.points)
     # So small a margin is 0 even there.
     failed = failing(
@@ -425,13 +406,52 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     )
     if failed:
         return failed
-    found = []
-    for digits in (30, 60):  # that the engine is asked for where margins are small
+    contradictions = []
+    for digits in ENGINE_DIGITS:
         wrong = engine_contradiction(fine, root.points, digits)
         if wrong is None:
             return []
-        found.append(wrong)
-    return [engine_contradiction(equations, points) or found[-1]]
+        contradictions.append(wrong)
+    return [engine_contradiction(equations, points) or contradictions[-1]]
+
+
+def _failures_of_multiple_root(
+    equations: ClosingEquations,
+    fine: ClosingEquations,
+    points: Points,
+    last: Points,
+    tested: list[Condition],
+) -> list[Condition]:
+    """Return the conditions that keep a root from being an orbit where Newton's method with many
+    digits does not converge: it ended at `last`, and doubles say `tested`.
+    """
+    # The pieces whose duration tends to 0 in Newton's method, at a multiple root.
+    was = equations.spans(points)
+    now = fine.spans(last)
+    gone = {
+        i
+        for i in range(len(was))
+        if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)
+    }
+    lasts = [c for c in tested if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
+    if lasts:
+        return [c._replace(value=0.0) for c in lasts]
+    # Others that may fail.
+    nearest = sorted((c for c in tested if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
+    text = " (it cannot be decided: the equations are singular there)"
+    failed = failing(tested)
+    undecided = failed or [c._replace(text=c.text + text, value=0.0) for c in nearest]
+    if failed or _has_small_margin(tested):
+        return undecided
+    wrong = engine_contradiction(equations, points)
+    if wrong is None:
+        return []
+    return undecided or [wrong]
+
+
+def _has_small_margin(tested: list[Condition]) -> bool:
+    """Return whether a margin is too small for doubles."""
+    return any(abs(condition.value) < MARGINAL * condition.scale for condition in tested)
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:

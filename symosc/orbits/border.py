@@ -13,9 +13,9 @@ it: the words of the settled motion are bisected along the circle
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
 from itertools import chain, pairwise
 from math import inf
-from typing import Any
 
 import numpy as np
 
@@ -195,14 +195,14 @@ class Border(Drawable):
         while waiting:
             border = waiting.pop()
             for point in border._codimension_two():
-                if any(self._plane.near(point, other) for other in done):
+                if any(self._plane.near(point, known) for known in done):
                     continue
                 done.append(point)
-                for other in border._leaving(point, *how):
-                    middle = other.points[len(other) // 2]
-                    if not any(passes(known, middle, other.words) for known in borders):
-                        borders.append(other)
-                        waiting.append(other)
+                for leaving in border._leaving(point, *how):
+                    middle = leaving.points[len(leaving) // 2]
+                    if not any(passes(known, middle, leaving.words) for known in borders):
+                        borders.append(leaving)
+                        waiting.append(leaving)
         return borders
 
     def _codimension_two(self) -> Iterator[tuple[float, float]]:
@@ -244,10 +244,10 @@ class Border(Drawable):
         if len(value) != 1 or next(iter(value)) not in self.parameters:
             allowed = f"must be one of {' and '.join(self.parameters)}, as NAME=value"
             raise ParameterError("at", ", ".join(value), allowed)
-        ((name, given),) = value.items()
+        ((name, wanted),) = value.items()
         system = self._system
         j = self.parameters.index(name)
-        exact = read_exact(name, given)
+        exact = read_exact(name, wanted)
         target = float(exact) / system.scale[-2 + j]
         places = np.array([node.z[-2 + j] for node in self._nodes]) - target
         values = list[float]()
@@ -349,16 +349,18 @@ def borders_between(
     b: Parameters,
     parameters: tuple[str, str],
     range: Mapping[str, tuple[NumberLike, NumberLike]],
-    **how: Any,
+    *,
+    step: NumberLike = STEP,
+    max_points: int = MOST_POINTS,
 ) -> list[Border]:
     """Return the borders between the parameter sets `a` and `b`, found where the word changes on
     the way from a to b.
 
-    `a` and `b` may differ in the two named parameters only; `how` holds `step` and `max_points` of
+    `a` and `b` may differ in the two named parameters only; `step` and `max_points` are those of
     `continue_border`.
     """
     plane = _read_plane(a, *parameters, range)
-    steps = _read_steps(**how)
+    steps = _read_steps(step, max_points)
     (place_a, orbit_a), (place_b, orbit_b) = (_settled(plane, p) for p in (a, b))
     if orbit_a is None and orbit_b is None:
         return []
@@ -409,7 +411,9 @@ def _distinct(begun: Iterable[Begun], step: float, most: int) -> list[Border]:
     return borders
 
 
-def passes(border: Border, values: Sequence[float] | np.ndarray, words: Any) -> bool:
+def passes(
+    border: Border, values: Sequence[float] | np.ndarray, words: Sequence[str | None]
+) -> bool:
     """Return whether `border` has `words` on its sides and passes the point `values` within 1e-4 of
     the ranges.
     """
@@ -511,9 +515,9 @@ def continue_border(
         )
         if inside is None or outside is None:
             continue
-        found = first_crossing(plane, (values + shift, inside), (values - shift, outside))
-        if found is not None:
-            border = traced(*found, longest, most)
+        begun = first_crossing(plane, (values + shift, inside), (values - shift, outside))
+        if begun is not None:
+            border = traced(*begun, longest, most)
             if border.words[1] == cycle(branch.word):
                 border.words = border.words[::-1]
                 border._side = -border._side
@@ -537,23 +541,38 @@ def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple
     return longest, most
 
 
-def _read_plane(parameters: Parameters, first: str, second: Any, limits: Any) -> Plane:
+def _read_plane(
+    parameters: Parameters,
+    first: str,
+    second: str,
+    limits: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
+) -> Plane:
     """Check the two parameters and their ranges `limits`; return their plane."""
     if second not in PARAMETER_NAMES or second == first:
         known = f"must be one of {', '.join(name for name in PARAMETER_NAMES if name != first)}"
         raise ParameterError("parameter", second, known + meant(second, PARAMETER_NAMES))
     if isinstance(limits, Mapping):
-        given = dict(limits)
+        ranges = dict(limits)
     else:
-        given = {second: limits}
-    value = getattr(parameters, first)
-    at_zero = (-1 if least(first) is None else 0, 1)
-    given.setdefault(first, sorted((value / 10, value * 10)) if value else at_zero)
+        ranges = {second: limits}
+    if first not in ranges:
+        ranges[first] = _usual_range(first, getattr(parameters, first))
     low, high = np.array(
-        [read_range(parameters, name, given.pop(name, None)) for name in (first, second)]
+        [read_range(parameters, name, ranges.pop(name, None)) for name in (first, second)]
     ).T
-    if given:
+    if ranges:
         raise ParameterError(
-            "range", ", ".join(map(str, given)), f"must be ranges of {first} and {second}"
+            "range", ", ".join(map(str, ranges)), f"must be ranges of {first} and {second}"
         )
     return Plane(parameters, (first, second), low, high)
+
+
+def _usual_range(name: str, value: Fraction) -> tuple[NumberLike, NumberLike]:
+    """Return the range of a branch's parameter around its value at the branch's end."""
+    if value > 0:
+        return value / 10, value * 10
+    if value < 0:
+        return value * 10, value / 10
+    if least(name) is None:
+        return -1, 1
+    return 0, 1

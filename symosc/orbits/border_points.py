@@ -155,7 +155,10 @@ def fold_between(
     values = system.values(z)
     tangent = tangent * float(np.sign(linear.dot(tangent, here.tangent)))
     error = max(abs(change), *(2 * EPS * abs(value) for value in values))
-    extreme = "largest" if here.tangent[-2 + j] > 0 else "smallest"
+    if here.tangent[-2 + j] > 0:
+        extreme = "largest"
+    else:
+        extreme = "smallest"
     message = f"{system.plane.names[j]} is {extreme} along the border"
     return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
@@ -185,19 +188,19 @@ def _polished_fold(
 
     The secant method varies the other parameter until the slope of parameter j is 0.
     """
-    other = 1 - j
+    varied = 1 - j
     index = len(z) - 1 - j
-    value = float(z[-2 + other] * system.scale[-2 + other])
+    value = float(z[-2 + varied] * system.scale[-2 + varied])
     tried: list[tuple[float, float]] = []
     for _ in range(FOLD_STEPS):
         u = system.polish(z, (index, Fraction(value)))
         if u is None:
             return None
         tangent = system.fine_tangent(u)
-        tried.append((value, float(tangent[-2 + j] / tangent[-2 + other])))
+        tried.append((value, float(tangent[-2 + j] / tangent[-2 + varied])))
         z = np.array([float(number) for number in u]) / system.scale
         if len(tried) == 1:
-            change = 1e-9 * float(system.scale[-2 + other])
+            change = 1e-9 * float(system.scale[-2 + varied])
         elif tried[-1][1] == tried[-2][1]:
             break
         else:
@@ -379,11 +382,15 @@ def _degenerate(
     size = scales(equations, points)
     candidates = []
     for zero, phases, condition in singles:
-        place = phases[0] if phases else 0.0
+        if phases:
+            place = phases[0]
+            rank = -1.0
+        else:
+            place = 0.0
+            rank = -2.0
         (flat,) = border_system.zero_values(equations, points, zero.bend, place)
         # It may be 0 at a point that is known as well as a curve shows it.
         if abs(flat) * size.t < 0.1 * size.a:
-            rank = -1.0 if phases else -2.0
             candidates.append(Candidate(rank, (zero, zero.bend), phases, (condition.text,)))
     return candidates
 

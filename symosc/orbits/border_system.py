@@ -221,7 +221,7 @@ class BorderSystem:
         values = []
         left = list(phases)
         for zero in self.zeros:  # a bend belongs to the extremum of another zero
-            bent = (phases[i] for i, other in enumerate(self.timed) if other.piece == zero.piece)
+            bent = (phases[i] for i, timed in enumerate(self.timed) if timed.piece == zero.piece)
             if zero.kind in TIMED:
                 theta = left.pop(0)
             else:
@@ -238,17 +238,21 @@ class BorderSystem:
         n = 2 * self.n
         size = len(u)
         values = np.array(equations.residuals(points) + self._zeros(equations, points, phases))
-        found = np.zeros((len(values), size))
-        found[:n, :n] = equations.matrix(points)
+        matrix = np.zeros((len(values), size))
+        matrix[:n, :n] = equations.matrix(points)
         touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
         for j in (*touched, *range(n, size - 2)):
             step = DIFFERENCE * self.scale[j] / POINTS_WEIGHT
-            found[n:, j] = _slope(
-                lambda each: self._zeros(equations, *self._split(each)), u, values[n:], j, step
+            matrix[n:, j] = _slope(
+                lambda unknowns: self._zeros(equations, *self._split(unknowns)),
+                u,
+                values[n:],
+                j,
+                step,
             )
         for j in (-2, -1):
-            found[:, j] = _slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j])
-        return values, found
+            matrix[:, j] = _slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j])
+        return values, matrix
 
     def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
         """Return the border's unit tangent at the mpmath numbers u, in scaled unknowns, to nearly
@@ -257,12 +261,12 @@ class BorderSystem:
         step = u[0].context.mpf(10) ** -20
         (equations, _, _) = self.at(u, FINE_DIGITS)
 
-        def at_fixed_parameters(each: Sequence[Any]) -> list[Number]:
-            points, phases = self._split(each)
+        def at_fixed_parameters(unknowns: Sequence[Any]) -> list[Number]:
+            points, phases = self._split(unknowns)
             return equations.residuals(points) + self._zeros(equations, points, phases)
 
-        def at_any(each: Sequence[Any]) -> list[Number]:
-            return self.residuals(each, FINE_DIGITS)
+        def at_any(unknowns: Sequence[Any]) -> list[Number]:
+            return self.residuals(unknowns, FINE_DIGITS)
 
         values = np.array(at_any(u))
         functions = [at_fixed_parameters] * (len(u) - 2) + [at_any] * 2
@@ -410,23 +414,23 @@ class BorderSystem:
         shift = 0
         for z in curve:
             equations, points, _ = self.at((z * self.scale).tolist())
-            found = conditions(equations, points)
-            flags.append([abs(c.value) < NOTHING * c.scale for c in found])
+            margins = conditions(equations, points)
+            flags.append([abs(c.value) < NOTHING * c.scale for c in margins])
             if is_symmetric(np.array(points)):
                 shift = self.n // 2
             else:
                 shift = 0
-        small = [i for i, each in enumerate(zip(*flags, strict=True)) if all(each)]
+        small = [i for i, states in enumerate(zip(*flags, strict=True)) if all(states)]
         # An extremum next to an end of its flight may be missed; by symmetry its margin is 0 too.
         own = [
             (zero.kind, (zero.piece + add) % self.n) for zero in self.zeros for add in (0, shift)
         ]
         self.hidden = tuple(
-            {*small, *(i for i, c in enumerate(found) if (kind_of(c), c.piece) in own)}
+            {*small, *(i for i, c in enumerate(margins) if (kind_of(c), c.piece) in own)}
         )
         # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
         crossings = [
-            c.piece for i, c in enumerate(found) if i in small and c.rank == admissibility.PASSING
+            c.piece for i, c in enumerate(margins) if i in small and c.rank == admissibility.PASSING
         ]
         self.symmetric_pieces = self._unaccelerated_after(crossings)
 
@@ -436,13 +440,15 @@ class BorderSystem:
         """
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
-        found = conditions(equations, points)
+        margins = conditions(equations, points)
         size = scales(equations, points)
         mine = {(zero.kind, zero.piece) for zero in self.zeros}
-        own = [c for i, c in enumerate(found) if i in self.hidden and (kind_of(c), c.piece) in mine]
-        found = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(found)]
+        own = [
+            c for i, c in enumerate(margins) if i in self.hidden and (kind_of(c), c.piece) in mine
+        ]
+        margins = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(margins)]
         for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
-            found += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
+            margins += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
         equations.pieces = (
             self.pieces
         )  # the margins at other extrema than those that vanish on the border
@@ -456,10 +462,10 @@ class BorderSystem:
                 for value, theta, _ in turns
                 if all(abs(theta - phase) > 1e-5 for phase in phases)
             ]
-            found.append(
+            margins.append(
                 c._replace(value=float(min(away, default=inf)), text=f"elsewhere, {c.text}")
             )
-        return found
+        return margins
 
     def _simple_zero_margins(
         self, equations: ClosingEquations, points: Any, zero: Zero, theta: float, size: float
@@ -577,17 +583,17 @@ class ClosedForm(BorderSystem):
         rest holds the mass.
         """
         p = self._numbers(z * self.scale)
-        found = []
+        margins = []
         own = self.up * p.belt(self.belt)
-        other = -self.up * p.belt(3 - self.belt)
+        far = -self.up * p.belt(3 - self.belt)
         if self.line:
             holds, drives = self.terms(z * self.scale)
-            found.append((f"mu{self.belt} FN > |B0|", holds - drives))
+            margins.append((f"mu{self.belt} FN > |B0|", holds - drives))
         elif not self.rests:
-            found.append((f"v{self.belt} is not 0", own))
-            if other > 0 and self.fixed.v1 != -self.fixed.v2:
-                found.append((f"belt {self.belt} is met before the other one", other - own))
-        return [Condition(0, text, float(value), 0.0, "", -1, 1.0) for text, value in found]
+            margins.append((f"v{self.belt} is not 0", own))
+            if far > 0 and self.fixed.v1 != -self.fixed.v2:
+                margins.append((f"belt {self.belt} is met before the other one", far - own))
+        return [Condition(0, text, float(value), 0.0, "", -1, 1.0) for text, value in margins]
 
     def orbit(self, z: np.ndarray) -> Orbit:
         """Return the limit of orbits at the border: flights of no duration, or a steady motion that
@@ -724,7 +730,7 @@ def zeros_of(
     piece = equations.pieces[i]
     end = equations.ends(points)[i]
     if kind == AT_FAR:
-        found: list[tuple[Zero, list[float]]] = [(Zero(AT_FAR, i, piece.mode + piece.side), [])]
+        zeros: list[tuple[Zero, list[float]]] = [(Zero(AT_FAR, i, piece.mode + piece.side), [])]
         j = (i + 1) % len(points)
         v = equations.belt(piece.end).v
         K = equations.K
@@ -735,10 +741,10 @@ def zeros_of(
             # The flight behind the crossing turns back at once: a graze so near that no sample
             # would show it. There the velocity a0 + b0 tau/2 + c0 tau^2/6, times tau, has a double
             # root.
-            found.append(
+            zeros.append(
                 (Zero(AT_TOUCH, j, piece.end), [float(points[j][1] - 1.5 * G1 / G2 * K.Om)])
             )
-        return found
+        return zeros
     if kind in ("", AT_ARRIVAL):
         if kind:
             return [(Zero(kind, i, piece.mode), [])]

@@ -372,7 +372,9 @@ def continue_orbit(
     return Branch(orbit, parameter, [*reversed(down[1:]), *up], (first, last))
 
 
-def read_range(parameters: Parameters, parameter: str, limits: Any) -> tuple[float, float]:
+def read_range(
+    parameters: Parameters, parameter: str, limits: tuple[NumberLike, NumberLike] | None
+) -> tuple[float, float]:
     """Check the name `parameter` and the range `limits`; return the limits as floats."""
     if parameter not in PARAMETER_NAMES:
         known = f"must be one of {', '.join(PARAMETER_NAMES)}"
@@ -464,9 +466,9 @@ class Curve:
         """Return z with positions counted from their mean: a shift of the whole orbit then has
         length 0.
         """
-        found = z.copy()
-        found[:-1:2] -= found[:-1:2].mean()
-        return found
+        tangent = z.copy()
+        tangent[:-1:2] -= tangent[:-1:2].mean()
+        return tangent
 
     def distance(self, a: BranchPoint, b: BranchPoint) -> float:
         """Return the length of the chord between two points of the branch, in scaled unknowns."""
@@ -618,11 +620,11 @@ class Curve:
         )
         beside = (self.step(path[0], shift) for shift in ((1e-6, 1e-5, 1e-4) if at_end else ()))
         orbits = (
-            each
-            for each in beside
-            if each and not each.failures and not self._verified(each).failures
+            point
+            for point in beside
+            if point and not point.failures and not self._verified(point).failures
         )
-        path += [each for each in (next(orbits, None),) if each]
+        path += [point for point in (next(orbits, None),) if point]
         # the other way is done, wherever it ended
         if before:
             done = self.value - self.low
@@ -734,7 +736,7 @@ class Curve:
 
         M lies halfway.
         """
-        first, middle, last = ((each.points, each.value) for each in (a, m, b))
+        first, middle, last = ((node.points, node.value) for node in (a, m, b))
         places = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
         nodes = [(self.equations(value), points) for points, value in places]
         margins = [
@@ -787,7 +789,8 @@ class Curve:
         zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
         reasons = tuple(condition for condition in zero if condition.event == zero[0].event)
         message = "; ".join(f"the condition '{c.text}' fails at t = {c.t:.10g}" for c in reasons)
-        path[-1] = last = self._inside(path[-1])
+        last = self._inside(path[-1])
+        path[-1] = last
         word, instead = self._word_beyond(
             last, float(np.sign(failed.value - before.value)) or direction
         )
@@ -836,9 +839,9 @@ class Curve:
                 break
             (x, theta) = point.points[0].tolist()
             size = float(np.abs(point.points[:, 0]).max())
-            found, text = settling(equations, x, theta % (2 * pi), equations.pieces[0].start, size)
-            if found is not None:
-                return found.cycle, ""
+            orbit, text = settling(equations, x, theta % (2 * pi), equations.pieces[0].start, size)
+            if orbit is not None:
+                return orbit.cycle, ""
             instead = instead or text
         return None, instead
 
@@ -948,7 +951,7 @@ def piece_margins(
         v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *columns["basis"](times, K)[:5]
     )
     b = derivatives(v, a, s, c, K)[0]
-    found = []
+    functions = []
     for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
         if boundary not in (1, 2):
             continue
@@ -965,5 +968,5 @@ def piece_margins(
             ends = u == 1
             q[~ends] /= 1 - u[~ends]
             q[ends] = -sign * acceleration[ends] * tau ** (1 - roots)
-        found.append(q)
-    return found
+        functions.append(q)
+    return functions

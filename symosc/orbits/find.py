@@ -555,14 +555,14 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         run = follow(
             equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n
         )
-        found = guesses_of_word(
+        guesses = guesses_of_word(
             run, equations.word.labels, periods, largest_displacement(equations)[1]
         )
-        if not found:
+        if not guesses:
             raise ParameterError(
                 "guess", guess, "the motion from there never follows the word; give all switchings"
             )
-        return min(found, key=lambda each: each.defect)
+        return min(guesses, key=lambda item: item.defect)
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))
     short = 2 * pi * count * 1e-8
     # A piece that is shorter is about to vanish.
@@ -636,8 +636,8 @@ def settling(
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
     for word in _words_of_a_period(equations, run) if size is not None else ():
         trial = ClosingEquations(equations.parameters, word, equations.periods)
-        found = guesses_of_word(run, word.labels, equations.periods, max(size or 0.0, 1e-300))
-        for guess in sorted(found, key=lambda each: each.defect)[:4]:
+        guesses = guesses_of_word(run, word.labels, equations.periods, max(size or 0.0, 1e-300))
+        for guess in sorted(guesses, key=lambda item: item.defect)[:4]:
             solution = solve(trial, guess.points)
             if solution.converged and not failures(trial, solution.points):
                 return Orbit(word, equations.periods, solution.points), ""
@@ -649,7 +649,7 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
     first.
     """
     begin = equations.word.labels[0]
-    found = list[Word]()
+    words = list[Word]()
     phases = run.points[:, 1]
     labels = run.labels
     turn = 2 * pi * equations.periods
@@ -669,11 +669,11 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
             i = 0
         with suppress(WordError):
             word = read_word(Word(part[i:] + part[:i]))
-            if word not in found:
-                found += [word]
-        if len(found) >= 6:
+            if word not in words:
+                words += [word]
+        if len(words) >= 6:
             break
-    return found
+    return words
 
 
 def resting_text(parameters: Parameters, mode: int, what: str = "the motion comes to rest") -> str:
@@ -696,19 +696,18 @@ def guesses_of_word(
     its closing error.
     """
     n = len(labels)
-    found = []
+    guesses = []
     for k in range(len(run.labels) - n + 1):
         if tuple(run.labels[k : k + n]) == labels:
-            points, (dx, dtheta) = (
-                run.points[k : k + n].copy(),
-                (run.points[k + n] - run.points[k]).tolist(),
-            )
+            points = run.points[k : k + n].copy()
+            dx, dtheta = (run.points[k + n] - run.points[k]).tolist()
             turns = dtheta / (2 * pi)
             count = periods or max(1, round(turns))
             points[:, 1] -= 2 * pi * (points[0, 1] // (2 * pi))
             if points[-1, 1] - points[0, 1] < 2 * pi * count:
-                found.append(Guess(points, count, max(abs(dx) / size, 2 * pi * abs(turns - count))))
-    return found
+                defect = max(abs(dx) / size, 2 * pi * abs(turns - count))
+                guesses.append(Guess(points, count, defect))
+    return guesses
 
 
 def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
@@ -730,11 +729,11 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
     most = max(LEAST_RUN_EVENTS, 8 * len(equations.pieces))
     starts = product((0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15), range(8), boundaries)
     while batch := list(islice(starts, 8)):
-        found: list[Guess] = []
+        guesses: list[Guess] = []
         for offset, j, boundary in batch:
             run = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
-            found += guesses_of_word(run, equations.word.labels, periods, size)
-        yield from sorted(found, key=lambda guess: guess.defect)[:4]
+            guesses += guesses_of_word(run, equations.word.labels, periods, size)
+        yield from sorted(guesses, key=lambda guess: guess.defect)[:4]
 
 
 def evenly_spaced(equations: ClosingEquations, periods: int) -> Iterator[Guess]:

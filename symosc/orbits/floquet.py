@@ -69,7 +69,8 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
     for i, (piece, start, end, tau) in enumerate(equations.spans(points)):
         if piece.sticks:
             continue
-        basis = E0, E1, E2, _, _ = equations.basis(tau, K)[:5]
+        basis = equations.basis(tau, K)[:5]
+        E0, E1, E2, _, _ = basis
         _, _, a = motion(*equations.start_of_flight(piece, start), K.cm, K.w0sq, K.f0, K.Om, *basis)
         C = 1 - K.w0sq * E2
         D = -K.w0sq * E1
@@ -77,12 +78,12 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
         ratio = 0
         if not following.sticks:
             ratio = equations.force(following.mode, end[0], equations.belt(piece.end).v, end[1]) / a
-        xx, xv, vx, vv = (
-            C * xx + E1 * vx,
-            C * xv + E1 * vv,
-            ratio * (D * xx + E0 * vx),
-            ratio * (D * xv + E0 * vv),
-        )
+        next_xx = C * xx + E1 * vx
+        next_xv = C * xv + E1 * vv
+        vx = ratio * (D * xx + E0 * vx)
+        vv = ratio * (D * xv + E0 * vv)
+        xx = next_xx
+        xv = next_xv
         determinant = determinant * ratio
     determinant = determinant * equations.exp(-K.cm * equations.turn / K.Om)
     context = equations.context

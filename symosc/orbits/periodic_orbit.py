@@ -287,12 +287,12 @@ class PeriodicOrbit(Drawable):
             columns.append(
                 [complex(a - b) / (2 * float(step)) for a, b in zip(up, down, strict=True)]
             )
-        found = np.array(columns).T
+        changes = np.array(columns).T
         n = len(self.points)
-        slopes = found[2 * n :]
+        slopes = changes[2 * n :]
         if abs(complex(self.multipliers[0]) - complex(self.multipliers[1])) <= 1e-7:  # they are one
             slopes = np.full_like(slopes, np.nan)
-        return OrbitSensitivities(names, found[:n].real, found[n : 2 * n].real, slopes)
+        return OrbitSensitivities(names, changes[:n].real, changes[n : 2 * n].real, slopes)
 
     @property
     def lyapunov(self) -> np.ndarray:
@@ -300,7 +300,7 @@ class PeriodicOrbit(Drawable):
 
         An orbit with a stick has the multiplier 0, exponent -inf.
         """
-        sizes = sorted((abs(complex(each)) for each in self.multipliers), reverse=True)
+        sizes = sorted((abs(complex(multiplier)) for multiplier in self.multipliers), reverse=True)
         log = mp_context(25).log  # the C library's may have other last bits on other machines
         rates = [float(log(size)) if size > 0.0 else -inf for size in sizes]
         return np.array(rates) / float(self.period)
@@ -325,17 +325,20 @@ class PeriodicOrbit(Drawable):
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
         (t0, x0, v0) = map(float, (scene.t0, scene.x0, scene.v0))
         length = float(self.period)
-        found = []
+        distances = []
         T = length / self.periods
         for piece, (t, x) in zip(self.equations().pieces, self.points, strict=True):
             if scene.v0 == self.parameters.belt(piece.start):
-                found.append(((t0 - float(t) + T / 2) % T - T / 2, x0 - float(x)))
-        dt, dx = min(found, key=lambda pair: max(map(abs, pair)), default=(nan, nan))
+                distances.append(((t0 - float(t) + T / 2) % T - T / 2, x0 - float(x)))
+        dt, dx = min(distances, key=lambda pair: max(map(abs, pair)), default=(nan, nan))
         path = simulate(scene.reduced(), t_end=t0 + 400.5 * length)
         elapsed = length * np.arange(1 + int((float(path.t_end) - t0) / length))
         # The orbit's states at these times, shifted by the whole forcing periods that fit best.
         choices = [self(t0 + elapsed + shift * T) for shift in range(self.periods)]
-        states = min(choices, key=lambda each: float(np.abs(each[:, 0] - (x0, v0)).max()))
+        states = min(
+            choices,
+            key=lambda choice: float(np.abs(choice[:, 0] - (x0, v0)).max()),
+        )
         offset = np.array([x0, v0]) - states[:, 0]
         away = np.abs(path(t0 + elapsed) - states).max(axis=0)
         periods = int(np.flatnonzero(away > near).max(initial=-1)) + 1

@@ -24,7 +24,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
 from symosc.base.aliases import Record
-from symosc.base.arguments import FILE, public, require
+from symosc.base.arguments import FILE, TEXT, Kind, public, require, require_or_none
 from symosc.base.display.latex import latex_text
 from symosc.base.errors import OutputError, ParameterError, brief, meant
 from symosc.base.files import STDOUT, read_path, write_whole
@@ -54,7 +54,8 @@ STYLE: dict[Any, Any] = {
 }
 
 #: Letters of parameters and of the numbers of a start, for axes.
-PARAMETER_LABELS = {name: f"${each.letter}$" for name, each in QUANTITIES.items()}
+FIGURE = Kind("a figure, such as plot.figure(...) returns", lambda kind: issubclass(kind, Figure))
+PARAMETER_LABELS = {name: f"${quantity.letter}$" for name, quantity in QUANTITIES.items()}
 
 
 class Drawing(Figure):
@@ -91,7 +92,7 @@ def own_style() -> Iterator[None]:
 
 @contextmanager
 def axes_for(
-    ax: Any,
+    ax: Axes | None,
     size: tuple[float, float],
     count: int = 1,
     *,
@@ -120,12 +121,12 @@ def axes_for(
         axes = every[:count]
         for empty in every[count:]:
             empty.remove()
-        for each, letter in zip(axes, ascii_lowercase, strict=False):
+        for panel, letter in zip(axes, ascii_lowercase, strict=False):
             if letter_at is not None and count > 1:
-                each.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
-            each.tick_params(labelfontfamily=rcParams["font.family"][0])
-        for each in axes[-across:]:
-            each.tick_params(labelbottom=True)
+                panel.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
+            panel.tick_params(labelfontfamily=rcParams["font.family"][0])
+        for panel in axes[-across:]:
+            panel.tick_params(labelbottom=True)
         yield drawing, axes
 
 
@@ -134,7 +135,7 @@ def panels_for(
     answer: Any,
     draw: Mapping[str, Callable[[Axes, Any], None]],
     panels: str | None,
-    ax: Any,
+    ax: Axes | None,
     size: tuple[float, float],
     *,
     alone: str = "a",
@@ -157,8 +158,8 @@ def panels_for(
     whole = size[0] * across, more + size[1] * -(-len(letters) // across)
     common: Record = {"columns": None if columns is None else across, "letter_at": letter_at}
     with axes_for(ax, whole, len(letters), **common) as (drawing, axes):
-        for each, letter in zip(axes, letters, strict=True):
-            draw[letter](each, answer)
+        for panel, letter in zip(axes, letters, strict=True):
+            draw[letter](panel, answer)
         yield drawing, axes
 
 
@@ -211,7 +212,7 @@ def read_style(style: Any, figure: Callable[..., object]) -> Record:
     return named
 
 
-def figure_of(ax: Any) -> Figure:
+def figure_of(ax: object) -> Figure:
     """Return the figure of axes given by the user; raise ParameterError for any other object."""
     if not isinstance(ax, Axes) or ax.figure is None:
         raise ParameterError(
@@ -280,13 +281,16 @@ def add_legend(
         drawing.legend(list(entries.values()), list(entries), **style)
 
 
-def read_panels(panels: Any, known: Iterable[str], ax: Any = None, alone: str = "a") -> str:
+def read_panels(
+    panels: str | None, known: Iterable[str], ax: Axes | None = None, alone: str = "a"
+) -> str:
     """Return the letters of the panels; None means all, or the panel `alone` for axes given by the
     user.
 
     ParameterError unless they are different letters out of `known`, and a single one where axes are
     given.
     """
+    require_or_none(TEXT, panels=panels)
     letters = "".join(known)
     if panels is None:
         if ax is None:
@@ -335,8 +339,8 @@ def save(drawing: Figure, path: str | Path) -> Path:
     ...     plot.save(plot.figure("fig5", panels="a"), f"{folder}/motion.svg").name
     'motion.svg'
     """
-    require(Figure, drawing=drawing)
-    require(FILE, path=path)
+    require(FIGURE, drawing=drawing)
+    require(*FILE, path=path)
     suffix = check_suffix(path)
     # No date in the file: drawing it again gives the same bytes.
     metadata = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}, ".png": None}[suffix]

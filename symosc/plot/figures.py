@@ -20,7 +20,6 @@ from symosc.base.aliases import NumberLike, Record, SceneName
 from symosc.base.arguments import (
     NUMBER,
     SCENE_NAME,
-    TEXT,
     WHOLE,
     public,
     require,
@@ -131,8 +130,6 @@ def figure(
     """
     require(Trajectory, Scene, SCENE_NAME, subject=subject)
     require_or_none(NUMBER, t_end=t_end)
-    require_or_none(TEXT, panels=panels)
-    require_or_none(Axes, ax=ax)
     if not isinstance(subject, Trajectory):
         if isinstance(subject, Scene):
             scene = subject
@@ -194,13 +191,13 @@ def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
         end = default_end(scene)
     else:
         end = t_end
-    found = simulate(scene, t_end=end, max_events=MOST_DRAWN_EVENTS)
-    if found.status == "max_events":
-        last = f"t = {float(found.t_end):.6g}, after {MOST_DRAWN_EVENTS} events"
+    motion = simulate(scene, t_end=end, max_events=MOST_DRAWN_EVENTS)
+    if motion.status == "max_events":
+        last = f"t = {float(motion.t_end):.6g}, after {MOST_DRAWN_EVENTS} events"
         raise ParameterError(
             "t_end", end, f"a figure ends at {last}; give an earlier end, or start later"
         )
-    return found
+    return motion
 
 
 @public
@@ -226,9 +223,7 @@ def orbit_figure(
     from symosc.orbits.periodic_orbit import PeriodicOrbit
 
     require(PeriodicOrbit, orbit=orbit)
-    require_or_none(TEXT, panels=panels)
     require(WHOLE, columns=columns)
-    require_or_none(Axes, ax=ax)
     if not orbit.admissible:
         raise ParameterError(
             "orbit", orbit.word, f"must be an admissible orbit, not {orbit.message}"
@@ -365,8 +360,6 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     from symosc.orbits.branch import Branch
 
     require(Branch, branch=branch)
-    require_or_none(TEXT, panels=panels)
-    require_or_none(Axes, ax=ax)
     how: Record = {"alone": "b", "letter_at": -0.12}
     with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **how) as (drawing, row):
         for axes in row:
@@ -565,23 +558,22 @@ def border_figure(
     from symosc.orbits.border import Border
 
     require(Border, sequence_of(Border), border=border)
-    require_or_none(Axes, ax=ax)
     if isinstance(border, Sequence):
         borders = list(border)
     else:
         borders = [border]
-    planes = {frozenset(getattr(each, "parameters", ())) for each in borders}
+    planes = {frozenset(getattr(curve, "parameters", ())) for curve in borders}
     if len(planes) != 1 or frozenset() in planes:
         raise ParameterError(
             "border", border, "must be one border or several of the same two parameters"
         )
     names = borders[0].parameters
-    given = common.read_style(style, border_figure)
+    line_style = common.read_style(style, border_figure)
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
-        for each in borders:
-            columns = [each.parameters.index(name) for name in names]
-            name = each.sliding or each.kind
-            words = " | ".join(sorted(typeset(word or "no word") for word in each.words))
+        for curve in borders:
+            columns = [curve.parameters.index(name) for name in names]
+            name = curve.sliding or curve.kind
+            words = " | ".join(sorted(typeset(word or "no word") for word in curve.words))
             if len(borders) == 1:
                 label = name
             else:
@@ -589,16 +581,16 @@ def border_figure(
             look = (
                 {"linewidth": 1.3, "color": "0.4", "label": label}
                 | BORDER_STYLES.get(name, {})
-                | given
+                | line_style
             )
-            axes.plot(*each.points[:, columns].T, **look)
+            axes.plot(*curve.points[:, columns].T, **look)
         axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]])
         axes.margins(0.06)
         if len(borders) == 1:
             drawing.draw_without_rendering()  # the limits of the axes decide which way is across
             _write_words_beside(axes, borders[0])
         for point, of in {
-            point.values: (point, each) for each in borders for point in each.special
+            point.values: (point, curve) for curve in borders for point in curve.special
         }.values():
             place = [point.values[of.parameters.index(name)] for name in names]
             if point.kind == "fold":

@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 
 from symosc.analysis.fitting.fit import Fit
 from symosc.base.aliases import Record
-from symosc.base.arguments import TEXT, public, require, require_or_none, sequence_of
+from symosc.base.arguments import public, require, sequence_of
 from symosc.base.errors import ParameterError
 from symosc.base.exact import whole_number
 from symosc.base.files import check_folder_of, write_text
@@ -70,8 +70,6 @@ def crosscheck_figure(
     ['global error', 'defect of the step']
     """
     require(CrossCheck, check=check)
-    require_or_none(TEXT, panels=panels)
-    require_or_none(Axes, ax=ax)
     marks: list[tuple[str, Any, Record]] = [
         (
             "matched",
@@ -156,8 +154,6 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     ['', 'time $t$']
     """
     require(Fit, found=found)
-    require_or_none(TEXT, panels=panels)
-    require_or_none(Axes, ax=ax)
     with panels_for(found, FIT_PANELS, panels, ax, (7.0, 1.7), **ABOVE_EACH_OTHER) as (
         drawing,
         row,
@@ -246,8 +242,6 @@ def step_figure(
     ['$v$', '$x$']
     """
     require(CrossCheck, check=check)
-    require_or_none(TEXT, panels=panels)
-    require_or_none(Axes, ax=ax)
     if step is None:
         if check.first_wrong:
             step = check.first_wrong.step
@@ -485,7 +479,6 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     'width of the enclosure'
     """
     require(Certificate, certificate=certificate)
-    require_or_none(Axes, ax=ax)
     events = [event for event in certificate.events if len(event) > 3]
     if not events:
         allowed = (

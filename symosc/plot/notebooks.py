@@ -137,7 +137,7 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
     `says` describes the picture in words, for screen readers and as a text that appears under the
     mouse.
     """
-    x, y = (np.asarray(each, dtype=float) for each in (x, y))
+    x, y = (np.asarray(values, dtype=float) for values in (x, y))
     if len(x) > MOST_POINTS:
         chosen = np.linspace(0, len(x) - 1, MOST_POINTS).astype(int)
         x = x[chosen]
@@ -149,15 +149,17 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
     up = _scale(y[known], PICTURE_HEIGHT)
     text = ""
     pen = "M"
-    for one, other, there in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
+    for place, height, there in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
         if there:
-            text += f"{pen}{across(one):.1f} {PICTURE_HEIGHT - up(other):.1f}"
+            text += f"{pen}{across(place):.1f} {PICTURE_HEIGHT - up(height):.1f}"
         if there:
             pen = "L"
         else:
             pen = "M"
     dot = '<circle cx="{:.1f}" cy="{:.1f}" r="2.6" fill="#d7191c"/>'
-    dots = "".join(dot.format(across(one), PICTURE_HEIGHT - up(other)) for one, other in marks)
+    dots = "".join(
+        dot.format(across(place), PICTURE_HEIGHT - up(height)) for place, height in marks
+    )
     frame = PICTURE_WIDTH - 1, PICTURE_HEIGHT - 1
     return PICTURE.format(PICTURE_WIDTH, PICTURE_HEIGHT, *frame, says, text, Markup(dots))
 
@@ -223,8 +225,8 @@ def events_page(events: EventTable) -> str:
         return [*values, f"{error:.0e}"]
 
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"
-    found = table(("motion", *HEADS), len(events), row)
-    return page("EventTable", line, found, facts({"ended": statuses(events.status)}))
+    rows = table(("motion", *HEADS), len(events), row)
+    return page("EventTable", line, rows, facts({"ended": statuses(events.status)}))
 
 
 def summary_page(summary: Summary) -> str:
@@ -340,7 +342,7 @@ def border_page(border: Border) -> str:
     return page("Border", line, points, drawn, facts(about))
 
 
-def response_page(found: FrequencyResponse) -> str:
+def response_page(response: FrequencyResponse) -> str:
     """Return the page of a frequency response: some of its rows, and the amplitude."""
     names = (
         "status",
@@ -352,27 +354,27 @@ def response_page(found: FrequencyResponse) -> str:
         "stuck",
         "balance_error",
     )
-    heads = [found.name, *(name.replace("_", " ") for name in names)]
+    heads = [response.name, *(name.replace("_", " ") for name in names)]
     rows = table(
         heads,
-        len(found),
-        lambda i: [found.values[i], *(shown(getattr(found, name)[i]) for name in names)],
+        len(response),
+        lambda i: [response.values[i], *(shown(getattr(response, name)[i]) for name in names)],
     )
-    drawn = curve(f"amplitude against {found.name}", found.values, found.amplitude)
+    drawn = curve(f"amplitude against {response.name}", response.values, response.amplitude)
     return page(
-        "FrequencyResponse", f"over {found.name}, {counted(len(found), 'value')}", rows, drawn
+        "FrequencyResponse", f"over {response.name}, {counted(len(response), 'value')}", rows, drawn
     )
 
 
 def atlas_page(atlas: Atlas) -> str:
     """Return the page of an atlas: its words and their shares, and its borders."""
     shares = [
-        [each.word or "none found", f"{each.share:.4%}", f"{each.proven:.4%}"]
-        for each in atlas.regions
+        [region.word or "none found", f"{region.share:.4%}", f"{region.proven:.4%}"]
+        for region in atlas.regions
     ]
     lines = [
-        [" | ".join(w or "?" for w in each.words), each.sliding or each.kind, len(each)]
-        for each in atlas.borders
+        [" | ".join(w or "?" for w in border.words), border.sliding or border.kind, len(border)]
+        for border in atlas.borders
     ]
     sides = (
         f"{name} = {show(low)} … {show(high)}"
@@ -439,15 +441,15 @@ def certificate_page(certificate: Certificate) -> str:
     def row(i: int) -> list[Any]:
         kind, source, target, *enclosures = certificate.events[i]  # of a branch without enclosures
         widths = (f"{float(Decimal(high) - Decimal(low)):.0e}" for low, high in enclosures)
-        return [kind, source, target, *(common_digits(*each) for each in enclosures), *widths]
+        return [kind, source, target, *(common_digits(*ends) for ends in enclosures), *widths]
 
     count = len(certificate.events)
     heads = ("kind", "from", "to", "t", "x", "width of t", "width of x")[
         : len(row(0)) if count else 0
     ]
     about: Record = {
-        f"multiplier {i}": common_complex(*each)
-        for i, each in enumerate(certificate.multipliers, 1)
+        f"multiplier {i}": common_complex(*multiplier)
+        for i, multiplier in enumerate(certificate.multipliers, 1)
     }
     about["stable"] = {True: "yes", False: "no", None: None}[certificate.stable]
     about |= {
@@ -469,7 +471,7 @@ def scene_page(scene: Scene) -> str:
     rows = [
         [name, value, QUANTITIES[name].meaning, unit_of(name)] for name, value in numbers.items()
     ]
-    error = scene.start_error and ", ".join(f"{float(each):.1g}" for each in scene.start_error)
+    error = scene.start_error and ", ".join(f"{float(number):.1g}" for number in scene.start_error)
     if scene.original:
         model = repr(scene.original.model)
     else:
@@ -480,7 +482,7 @@ def scene_page(scene: Scene) -> str:
         "t0, x0, v0 known to": error,
         "of the model": model,
     }
-    about = {name: cut(each) if each else None for name, each in about.items()}
+    about = {name: cut(text) if text else None for name, text in about.items()}
     heads = ("", "value", "meaning", "unit in SI")
     tables = (table(heads, len(part), part.__getitem__) for part in (rows[:8], rows[8:]))
     return page("Scene", scene.name, *tables, facts(about))
@@ -492,7 +494,7 @@ def listing_page(listing: Listing[Any]) -> str | None:
     """
     if not (listing and is_dataclass(listing[0])):
         return None
-    heads = [each.name for each in fields(listing[0])]
+    heads = [field.name for field in fields(listing[0])]
 
     def row(i: int) -> list[str]:
         values = ((name, getattr(listing[i], name)) for name in heads)

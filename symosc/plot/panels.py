@@ -165,14 +165,14 @@ def view_of(
             boundary = nearest
     contacts = _sticks(trajectory)
     contacts += [
-        Contact(float(each.t), float(each.t), each.boundary)
-        for each in events
-        if each.kind == "graze"
+        Contact(float(event.t), float(event.t), event.boundary)
+        for event in events
+        if event.kind == "graze"
     ]
     contacts = [
-        Contact(max(each.since, t[0]), each.until, each.belt)
-        for each in contacts
-        if each.until >= t[0]
+        Contact(max(contact.since, t[0]), contact.until, contact.belt)
+        for contact in contacts
+        if contact.until >= t[0]
     ]
     first = Mark("onset of stick", ONSET_COLOR, start, int(mode[-1]))
     marks = [first if mode.startswith("belt") else Mark("start", "white", start)]
@@ -243,7 +243,7 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
     if across == "t":
         _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
-    given = {
+    user_style = {
         name: value
         for name, value in view.style.items()
         if name not in ("color", "linestyle", "label")
@@ -253,7 +253,7 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
             "color": color,
             "linestyle": style,
             "linewidth": max(view.scale, 0.5),
-        } | given
+        } | user_style
         ax.plot(getattr(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
     for domain in (below, above):
         _draw_marks(ax, view, marks, across, partial(force, domain))
@@ -434,15 +434,15 @@ def _inset_sticks(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, 
     longest = SHORT_STICK * (t[-1] - t[0])
     finest = 1e-10 * np.abs(t).max()
     short = [
-        each
-        for each in contacts
-        if finest < each.until - each.since < longest and each.until < t[-1]
+        contact
+        for contact in contacts
+        if finest < contact.until - contact.since < longest and contact.until < t[-1]
     ]
     if len(short) > MOST_INSETS:
         limit = 0.1 * median(
-            each.until - each.since for each in contacts if each.until > each.since
+            contact.until - contact.since for contact in contacts if contact.until > contact.since
         )
-        short = [each for each in short if each.until - each.since < limit]
+        short = [contact for contact in short if contact.until - contact.since < limit]
     return tuple(short[:MOST_INSETS])
 
 

@@ -82,7 +82,7 @@ def read_column(dataset: Any, name: Any) -> Any:
         raise ParameterError(
             "dataset", type(dataset).__name__, "must be what sweep(...) returns, with its status"
         )
-    names = [str(each) for each in dataset.data_vars]
+    names = [str(column) for column in dataset.data_vars]
     if name is None:
         if "section" in names:
             name = "section"
@@ -91,13 +91,13 @@ def read_column(dataset: Any, name: Any) -> Any:
     if name not in names:
         raise ParameterError("name", name, f"must be a recorded column: {', '.join(names)}")
     return dataset[name].squeeze(
-        [each for each in axes_of(dataset[name]) if dataset.sizes[each] == 1]
+        [axis for axis in axes_of(dataset[name]) if dataset.sizes[axis] == 1]
     )
 
 
 def axes_of(column: Any) -> list[str]:
     """Return the names of the dimensions over which a column was swept."""
-    return [str(each) for each in column.dims if each not in ("period", "component")]
+    return [str(axis) for axis in column.dims if axis not in ("period", "component")]
 
 
 def read_axes(column: Any, count: int, what: str) -> list[str]:
@@ -112,8 +112,8 @@ def read_axes(column: Any, count: int, what: str) -> list[str]:
             "name", column.name, "must have one value a motion; bifurcation_figure draws sections"
         )
     axes = axes_of(column)
-    if len(axes) != count or any(each not in column.coords for each in axes):
-        sizes = ", ".join(f"{each} ({column.sizes[each]})" for each in axes) or "none"
+    if len(axes) != count or any(axis not in column.coords for axis in axes):
+        sizes = ", ".join(f"{axis} ({column.sizes[axis]})" for axis in axes) or "none"
         allowed = f"{what} needs {count}; select values, such as dataset.isel(k=0)"
         raise ParameterError("dataset", f"axes {sizes}", allowed)
     return axes
@@ -156,7 +156,6 @@ def swept_figure(
 
     require(DATASET, SweptDataset, dataset=dataset)
     require_or_none(TEXT, name=name)
-    require_or_none(Axes, ax=ax)
     data: Any = getattr(dataset, "dataset", dataset)  # what `dataset.symosc` is made for
     column = read_column(data, name)
     axes = axes_of(column)
@@ -187,13 +186,12 @@ def bifurcation_figure(
     """
     require(DATASET, dataset=dataset)
     require(one_of("x", "v"), component=component)
-    require_or_none(Axes, ax=ax)
     section = read_column(dataset, "section").sel(component=component)
     if "start" in section.dims:
-        one = section.isel(start=0)
+        one_start = section.isel(start=0)
     else:
-        one = section
-    (name,) = read_axes(one, 1, "a bifurcation diagram")
+        one_start = section
+    (name,) = read_axes(one_start, 1, "a bifurcation diagram")
     points = section.transpose(name, ...).values.reshape(section.sizes[name], -1)
     values = section[name].values
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
@@ -241,7 +239,6 @@ def curve_figure(
     """
     require(DATASET, dataset=dataset)
     require_or_none(TEXT, name=name)
-    require_or_none(Axes, ax=ax)
     column = read_column(dataset, name)
     (axis,) = read_axes(column, 1, "a curve")
     column = column.sortby(axis)
@@ -326,8 +323,6 @@ def response_figure(
     from symosc.analysis.response import FrequencyResponse
 
     require(FrequencyResponse, found=found)
-    require_or_none(TEXT, panels=panels)
-    require_or_none(Axes, ax=ax)
     order = np.argsort(found.values)
     words = np.where(
         found.status == "rest", "rest", [_cyclic_word(word) or " " for word in found.word]
@@ -344,21 +339,21 @@ def response_figure(
     return drawing
 
 
-def _response_panel(axes: Axes, found: FrequencyResponse, letter: str) -> None:
+def _response_panel(axes: Axes, response: FrequencyResponse, letter: str) -> None:
     """Draw a panel of a frequency response, with gaps where a column is infinite."""
     names, text, level = RESPONSE_PANELS[letter]
     drawn = list[np.ndarray]()
-    order = np.argsort(found.values)
-    shift = {"phase": 2 * pi * (found.phase < -pi / 2)}  # phases from -pi/2 to 3 pi/2
+    order = np.argsort(response.values)
+    shift = {"phase": 2 * pi * (response.phase < -pi / 2)}  # phases from -pi/2 to 3 pi/2
     for name in names:
-        column = getattr(found, name)[order] + shift.get(name, np.zeros(len(order)))[order]
+        column = getattr(response, name)[order] + shift.get(name, np.zeros(len(order)))[order]
         column = np.where(np.isfinite(column), column, np.nan) * (
             100 if name == "balance_error" else 1
         )
         style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
         if len(column) <= FEW_POINTS:
             style |= {"marker": "o", "ms": 3}
-        axes.plot(found.values[order], column, **style)
+        axes.plot(response.values[order], column, **style)
         drawn.append(column[np.isfinite(column)])
     if level is not None:
         axes.axhline(level, color="0.6", lw=0.6, zorder=0)
@@ -368,10 +363,10 @@ def _response_panel(axes: Axes, found: FrequencyResponse, letter: str) -> None:
     elif letter == "e":
         axes.set_ylim(-0.02, 1.02)
     elif letter in "abd":
-        _fit_height(axes, found, np.concatenate(drawn))
+        _fit_height(axes, response, np.concatenate(drawn))
 
 
-def _fit_height(axes: Axes, found: FrequencyResponse, drawn: np.ndarray) -> None:
+def _fit_height(axes: Axes, response: FrequencyResponse, drawn: np.ndarray) -> None:
     """Let the axis of a panel begin at 0 and show all finite values that are `drawn`.
 
     Only next to a true resonance, where the motion grows for ever, they are cut off where all else
@@ -380,7 +375,7 @@ def _fit_height(axes: Axes, found: FrequencyResponse, drawn: np.ndarray) -> None
     if not len(drawn):
         return
     top = float(drawn.max()) or 1.0
-    resonances = found.values[np.isinf(found.balance)]
+    resonances = response.values[np.isinf(response.balance)]
     if len(resonances):
         usual = float(np.quantile(drawn, 0.8))
         cut = 0.0 < HIGHEST * usual < top
@@ -389,7 +384,7 @@ def _fit_height(axes: Axes, found: FrequencyResponse, drawn: np.ndarray) -> None
         places = ", ".join(f"{value:.6g}" for value in resonances[:MOST_NAMED])
         if len(resonances) > MOST_NAMED:
             places += ", …"
-        says = f"infinite at {PARAMETER_LABELS[found.name]} = {places}"
+        says = f"infinite at {PARAMETER_LABELS[response.name]} = {places}"
         if cut:
             says += "\nhigher values cut off"
         for value in resonances:
@@ -434,7 +429,6 @@ def map_figure(
     """
     require(DATASET, dataset=dataset)
     require_or_none(TEXT, name=name)
-    require_or_none(Axes, ax=ax)
     return _map(dataset, read_column(dataset, name), ax)
 
 
@@ -443,7 +437,8 @@ def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
 
     Return the figure.
     """
-    first, second = over = read_axes(column, 2, "a map")
+    over = read_axes(column, 2, "a map")
+    first, second = over
     column = column.sortby(over).transpose(*over)
     unknown = read_column(dataset, "status").sortby(over).transpose(*over).values == "undecidable"
     values = column.values
@@ -493,7 +488,6 @@ def basin_figure(
     """
     require(DATASET, dataset=dataset)
     require_or_none(TEXT, name=name)
-    require_or_none(Axes, ax=ax)
     column = read_column(dataset, name)
     if set(read_axes(column, 2, "a basin")) != {"x0", "v0"}:
         raise ParameterError(
@@ -652,7 +646,6 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     ['motion']
     """
     require(EventTable, events=events)
-    require_or_none(Axes, ax=ax)
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
         scale = max(0.6 / 5, min(1.0, (200 / max(len(events), 1)) ** 0.5))
         for code, kind in KIND_NAMES.items():
@@ -699,10 +692,11 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
     """
     require(Summary, summary=summary)
     require_or_none(TEXT, name=name)
-    require_or_none(Axes, ax=ax)
     columns = summary.columns()
     if name is None:
-        name = next((each for each in ("word", "section", *columns) if each in columns), "word")
+        name = next(
+            (column for column in ("word", "section", *columns) if column in columns), "word"
+        )
     if name not in columns:
         raise ParameterError(
             "name", name, f"must be a recorded column: {', '.join(columns) or 'none'}"
@@ -769,7 +763,6 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
     from symosc.certificates.atlas import Atlas
 
     require(Atlas, atlas=atlas)
-    require_or_none(Axes, ax=ax)
     words = [region.word for region in atlas.regions if region.word]
     colours = {word: ATLAS_COLORS[min(i, len(ATLAS_COLORS) - 1)] for i, word in enumerate(words)}
     entries: dict[str, Any] = {}

@@ -99,8 +99,6 @@ def window_figure(
     """
     require(GrazingWindow, sequence_of(GrazingWindow), windows=windows)
     require_or_none(function_of(2), plane=plane)
-    require_or_none(TEXT, panels=panels)
-    require_or_none(Axes, ax=ax)
     if isinstance(windows, GrazingWindow):
         chosen = [windows]
     else:
@@ -174,7 +172,7 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
         x = cos(quarter * pi / 2)
         y = sin(quarter * pi / 2)
         axes.plot([0.94 * x, x], [0.94 * y, y], color="black", linewidth=0.6)
-        if all(cos(quarter * pi / 2 - other) < 0.95 for other, _ in critical):
+        if all(cos(quarter * pi / 2 - angle) < 0.95 for angle, _ in critical):
             axes.text(1.12 * x, 1.2 * y, PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
     axes.set_axis_off()
@@ -292,7 +290,6 @@ def sweep_figure(
     require(TEXT, mapping=mapping, name=name)
     require_or_none(NUMBER, low=low, high=high)
     require(ORDER, order=order)
-    require_or_none(Axes, ax=ax)
     low, high = _sweep_range(p, mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
     # Equality and 0, where the window changes its kind, with their neighbours.
@@ -301,13 +298,13 @@ def sweep_figure(
     values = np.union1d(
         np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high]
     )
-    found = grazing_windows(p, mapping, order, **{name: values})
+    columns = grazing_windows(p, mapping, order, **{name: values})
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
         _window_areas(
-            axes, values, found, place(mapping).side * (values if name == "B0" else float(p.B0))
+            axes, values, columns, place(mapping).side * (values if name == "B0" else float(p.B0))
         )
         label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
-        for curve in (found.theta_cr % TURN, pi - found.theta_cr):
+        for curve in (columns.theta_cr % TURN, pi - columns.theta_cr):
             if not np.isnan(curve).all():
                 broken = np.where(
                     np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve
@@ -409,29 +406,29 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
     return []
 
 
-def _window_areas(axes: Axes, values: np.ndarray, found: WindowColumns, above: Any) -> None:
+def _window_areas(axes: Axes, values: np.ndarray, columns: WindowColumns, above: Any) -> None:
     """Shade the grazing window `found`, between its lower and upper phases, over the values of a
     parameter.
 
     `above` is positive where the window is above the line of its critical phases. A window that is
     the full circle begins and ends at 3 pi/2 where `above` > 0, and at pi/2 elsewhere.
     """
-    if np.all(found.kind == EMPTY):
+    if np.all(columns.kind == EMPTY):
         axes.text(0.5, 0.5, "the window is empty", transform=axes.transAxes, ha="center")
-    everything = np.isin(found.kind, (EVERYTHING, ALL_BUT_ONE))
+    everything = np.isin(columns.kind, (EVERYTHING, ALL_BUT_ONE))
     # Everything is a wrapped arc whose ends meet: shaded as one with the wrapped arcs beside it,
     # without a seam.
     last = np.where(np.asarray(above) > 0, THREE_HALVES_PI, HALF_PI[0])
-    low = np.where(everything, last, found.low)
-    high = np.where(everything, last, found.high)
-    wrapped = everything | (found.kind == WRAPPED_ARC)
+    low = np.where(everything, last, columns.low)
+    high = np.where(everything, last, columns.high)
+    wrapped = everything | (columns.kind == WRAPPED_ARC)
     floor = np.zeros_like(values)
     ceiling = np.full_like(values, TURN)
     label = "window"
     for where, lower, upper in (
         (wrapped, floor, high),
         (wrapped, low, ceiling),
-        (found.kind == ARC, low, high),
+        (columns.kind == ARC, low, high),
     ):
         if where.any():
             axes.fill_between(
@@ -477,10 +474,10 @@ def region_figure(
 
     require(ParameterRegion, region=region)
     require_or_none(row_of(2, NUMBER), first=first, second=second)
-    require_or_none(Axes, ax=ax)
     names = region.question.names
     spans = [
-        _axis_range(region, name, given) for name, given in zip(names, (first, second), strict=True)
+        _axis_range(region, name, limits)
+        for name, limits in zip(names, (first, second), strict=True)
     ]
     x, y = np.meshgrid(*(np.linspace(*span, 401) for span in spans))
     allowed, inside, closed = (
@@ -502,7 +499,7 @@ def region_figure(
             ylim=spans[1],
         )
         axes.set_title(f"${region.question.latex()}$")
-        add_legend(drawing, ax, {each.get_label(): each for each in shown}, 3)
+        add_legend(drawing, ax, {artist.get_label(): artist for artist in shown}, 3)
     return drawing
 
 
@@ -519,28 +516,28 @@ def _margin(
     if condition in (sp.true, sp.false):
         return np.full_like(x, np.inf if condition == sp.true else -np.inf)
     if isinstance(condition, sp.And | sp.Or):
-        margins = [_margin(each, letters, x, y, more) for each in condition.args]
+        margins = [_margin(margin, letters, x, y, more) for margin in condition.args]
         return (np.min if isinstance(condition, sp.And) else np.max)(margins, axis=0)
-    found = sp.lambdify(letters, condition.gts - condition.lts, "numpy")(x, y)
-    return np.broadcast_to(found, x.shape) + more * isinstance(condition, sp.Ge | sp.Le)
+    difference = sp.lambdify(letters, condition.gts - condition.lts, "numpy")(x, y)
+    return np.broadcast_to(difference, x.shape) + more * isinstance(condition, sp.Ge | sp.Le)
 
 
-def _axis_range(region: ParameterRegion, name: str, given: Any) -> tuple[float, float]:
+def _axis_range(region: ParameterRegion, name: str, limits: Any) -> tuple[float, float]:
     """Return the range of an axis: `given`, or one with the parameter's value in it, and both belts
     for v1 or v2.
     """
     p = region.parameters
-    if given is not None:
-        low, high = (float(read_exact(name, end)) for end in given)
+    if limits is not None:
+        low, high = (float(read_exact(name, end)) for end in limits)
         if not low < high:
-            raise ParameterError(name, given, "must go from a lower to a higher value")
+            raise ParameterError(name, limits, "must go from a lower to a higher value")
         return low, high
     value = abs(float(getattr(p, name)))
     if name in ("v1", "v2"):
-        other = abs(float(p.v2 if name == "v1" else p.v1))
+        second_speed = abs(float(p.v2 if name == "v1" else p.v1))
     else:
-        other = 0.0
-    reach = 2 * max(value, min(other, 2 * value) if value else other) or 1.0
+        second_speed = 0.0
+    reach = 2 * max(value, min(second_speed, 2 * value) if value else second_speed) or 1.0
     if name in ("k", "Omega"):
         return (0.0, reach)
     return (-reach, reach)
@@ -658,8 +655,6 @@ def figure_grazing_curve(
     'flight to the grazing point'
     """
     require(GrazingCurve, curve=curve)
-    require_or_none(TEXT, panels=panels)
-    require_or_none(Axes, ax=ax)
     with panels_for(curve, CURVE_PANELS, panels, ax, (3.5, 3.2)) as (drawing, _):
         return drawing
 

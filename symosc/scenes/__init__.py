@@ -137,26 +137,10 @@ class Scene(Drawable):
     original: Original | None = None
 
     def __post_init__(self) -> None:
-        for name in ("name", "source", "structure"):
-            value = getattr(self, name)
-            is_text = isinstance(value, str) and (name != "name" or value.strip())
-            if not is_text and not (name == "structure" and value is None):
-                raise ParameterError(name, value, "must be text")
-        if not isinstance(self.parameters, Parameters | OtherModel):
-            raise ParameterError(
-                "parameters", self.parameters, "must be Parameters or an OtherModel"
-            )
-        if not isinstance(self.original, Original | None):
-            raise ParameterError(
-                "original", self.original, "must be None, or what a scene of an OtherModel keeps"
-            )
+        self._check_kinds()
         if self.structure is not None:
             whole = read_word(self.structure).cycle
             object.__setattr__(self, "structure", str(whole))
-        if not (
-            isinstance(self.notes, tuple) and all(isinstance(note, str) for note in self.notes)
-        ):
-            raise ParameterError("notes", self.notes, "must be a tuple of texts")
         model: Any = self.parameters
         given_start = {name: getattr(self, name) for name in START_NAMES}
         given_start["t_end"] = end_time(self.t_end, parameters_of(model), self.t0)
@@ -170,10 +154,10 @@ class Scene(Drawable):
                 "t_end", show(numbers["t_end"]), f"must be later than t0 = {show(numbers['t0'])}"
             )
         if isinstance(model, OtherModel):
-            given = Original(model, **numbers, start_error=error)
-            object.__setattr__(self, "original", given)
+            original = Original(model, **numbers, start_error=error)
+            object.__setattr__(self, "original", original)
             object.__setattr__(self, "parameters", model.parameters)
-            numbers, error = _reduced_problem(given)
+            numbers, error = _reduced_problem(original)
         elif self.original and (model, numbers) != (
             self.original.model.parameters,
             _reduced_problem(self.original)[0],
@@ -182,6 +166,27 @@ class Scene(Drawable):
         object.__setattr__(self, "start_error", error)
         for name, number in numbers.items():
             object.__setattr__(self, name, number)
+
+    def _check_kinds(self) -> None:
+        """Raise ParameterError if an argument is not of its type."""
+        for name in ("name", "source", "structure"):
+            value = getattr(self, name)
+            is_text = isinstance(value, str) and (name != "name" or value.strip())
+            if not is_text and not (name == "structure" and value is None):
+                raise ParameterError(name, value, "must be text")
+        if not isinstance(self.parameters, Parameters | OtherModel):
+            raise ParameterError(
+                "parameters", self.parameters, "must be Parameters or an OtherModel"
+            )
+        if not isinstance(self.original, Original | None):
+            raise ParameterError(
+                "original", self.original, "must be None, or what a scene of an OtherModel keeps"
+            )
+        are_texts = isinstance(self.notes, tuple) and all(
+            isinstance(note, str) for note in self.notes
+        )
+        if not are_texts:
+            raise ParameterError("notes", self.notes, "must be a tuple of texts")
 
     @public
     def started(self, given: Mapping[str, NumberLike]) -> Scene:
@@ -247,11 +252,11 @@ def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:
     return replace(scene, **{"parameters": start.pop("model")} | start | changes)
 
 
-def _reduced_problem(given: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
+def _reduced_problem(original: Original) -> tuple[dict[str, Fraction], StartErrors | None]:
     """Return start and end of another model in symosc's coordinates, by name, and the `start_error`
     there.
     """
-    model, t0, x0, v0, t_end, error = given
+    model, t0, x0, v0, t_end, error = original
     start, known = reduced_start(model, t0, x0, v0)
     if error is not None:  # an error of t0 moves the belts
         rate = model.shift.rate(model.Omega)
@@ -273,7 +278,7 @@ def not_reduced_error(scene: Any) -> ParameterError:
 
 
 def start_numbers(
-    given: Mapping[str, Any], p: Parameters
+    start: Mapping[str, Any], p: Parameters
 ) -> tuple[dict[str, Fraction], StartErrors | None]:
     """Read the numbers of a start.
 
@@ -283,7 +288,7 @@ def start_numbers(
     # digits that has.
     numbers = dict[str, Fraction]()
     errors = dict.fromkeys(START_NAMES, Fraction(0))
-    for name, value in given.items():
+    for name, value in start.items():
         numbers[name], exact = read_number(name, value)
         if not (exact or (name == "v0" and numbers[name] in (p.v1, p.v2))):
             errors[name] = half_unit(numbers[name])
@@ -328,11 +333,11 @@ def problem_of(
     return load_scene(what)
 
 
-def end_time(given: Any, p: Parameters, t0: Any) -> Any:
+def end_time(end: Any, p: Parameters, t0: Any) -> Any:
     """Return an end time; text such as "10T" means that many periods of the drive after t0."""
-    periods = forcing_periods("t_end", given)
+    periods = forcing_periods("t_end", end)
     if periods is None:
-        return given
+        return end
     return float(read_number("t0", t0)[0]) + float(periods) * (2 * pi / float(p.Omega))
 
 
@@ -369,9 +374,9 @@ def figure_of(name: str) -> int | None:
     """Return the number of the paper's figure in a scene's name; None if the scene is not from the
     paper.
     """
-    found = re.match(r"fig(\d+)(-|$)", name, re.ASCII)
-    if found:
-        return int(found[1])
+    match = re.match(r"fig(\d+)(-|$)", name, re.ASCII)
+    if match:
+        return int(match[1])
     return None
 
 
@@ -435,11 +440,11 @@ def read_scene(text: str, where: str) -> Scene:
     file = read_scene_file(text, where)
     data = file.data
     try:
-        given = data["parameters"]
+        numbers = data["parameters"]
         if "model" in data:
-            problem: OtherModel | Parameters = OtherModel(**given, **data["model"])
+            problem: OtherModel | Parameters = OtherModel(**numbers, **data["model"])
         else:
-            problem = Parameters(**given)
+            problem = Parameters(**numbers)
         return Scene(
             name=data.get("name", Path(where).stem),
             parameters=problem,  # type: ignore[arg-type]
@@ -531,7 +536,7 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
     lines += [line(name, show(getattr(own, name))) for name in STARTS]
     if own.start_error is not None:
         lines.append(
-            f"start_error = [{', '.join(_toml_number(show(each)) for each in own.start_error)}]"
+            f"start_error = [{', '.join(_toml_number(show(error)) for error in own.start_error)}]"
         )
     return "\n".join(lines)
 

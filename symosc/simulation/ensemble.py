@@ -211,16 +211,17 @@ def simulate_many(
     if of_events:
         for name, value, usual in (("skip", skip, 0), ("sections", sections, 1)):
             if value is not usual and not (isinstance(value, int) and value == usual):
-                raise ParameterError(
-                    name, value, 'is for summaries; give record="summary", or names of its columns'
-                )
+                allowed = 'pass record="summary", or names of its columns'
+                raise ParameterError(name, value, f"{name} applies to summaries only; {allowed}")
         if wrt is None:
             names: tuple[str, ...] = ()
         else:
             names = read_wrt(wrt)
         work = partial(events_of, task, names, use_numba)
     elif wrt is not None:
-        raise ParameterError("wrt", wrt, 'is for events; leave it out, or record="events"')
+        raise ParameterError(
+            "wrt", wrt, 'wrt applies to events only; omit it, or pass record="events"'
+        )
     else:
         work = partial(summary_of, task, SummaryRequest(record, skip, sections, problems))
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)

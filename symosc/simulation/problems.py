@@ -254,7 +254,7 @@ class ParameterSets:
                 raise ParameterError(
                     str(name),
                     parameters[name],
-                    f"is no parameter; they are {', '.join(PARAMETER_NAMES)}",
+                    f"unknown parameter; choose from {', '.join(PARAMETER_NAMES)}",
                 )
         for name in PARAMETER_NAMES:
             if name not in parameters:

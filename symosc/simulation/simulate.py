@@ -61,7 +61,6 @@ from symosc.scenes import (
     Original,
     Scene,
     end_time,
-    load_scene,
     moved_scene,
     not_reduced_error,
     parameters_of,
@@ -171,7 +170,7 @@ def simulate(
             raise ParameterError(
                 "accuracy",
                 accuracy,
-                f"is for double precision: leave it out with digits = {digits}",
+                f"accuracy applies to double precision only; omit it with digits = {digits}",
             )
         follow = partial(in_digits, start, most, digits)
     with late_bar(progress, label, "events") if progress else nullcontext() as advance:
@@ -188,9 +187,7 @@ def read_most(max_events: Any, default: int) -> int:
     return min(whole_number("max_events", max_events, 1), 2**62)
 
 
-def read_start(
-    scene: Scene | Parameters | SceneName, arguments: dict[str, Any], start_error: Any
-) -> Start:
+def read_start(scene: Scene | Parameters, arguments: dict[str, Any], start_error: Any) -> Start:
     """Return the initial value problem of a scene or of keyword arguments.
 
     Refuse a scene of another model.
@@ -202,7 +199,7 @@ def read_start(
 
 
 def read_problem(
-    scene: Any, arguments: dict[str, Any], start_error: Any
+    scene: Scene | Parameters | OtherModel, arguments: dict[str, Any], start_error: Any
 ) -> tuple[Start, Original | None]:
     """Return the initial value problem of a scene or of arguments, and the other model it stands
     for, if any.
@@ -218,8 +215,6 @@ def read_problem(
         arguments["t_end"] = end_time(arguments["t_end"], parameters_of(scene), arguments["t0"])
         scene = Scene("motion", scene, **arguments)  # type: ignore[arg-type]
         arguments = {}
-    elif not isinstance(scene, Scene):
-        scene = load_scene(scene)
     if changes := {name: value for name, value in arguments.items() if value is not None}:
         scene = scene.started(changes)
     if start_error is not None and scene.original is not None:

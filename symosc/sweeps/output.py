@@ -107,8 +107,8 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
             dimensions = tuple(plan.sizes)
         variables[name] = (dimensions, values, about(*SUMMARY_COLUMNS[name]))
     coordinates: dict[str, Any] = {
-        name: (each.dimension, each.values, about(*QUANTITIES[name][:2]))
-        for name, each in plan.coordinates.items()
+        name: (coordinate.dimension, coordinate.values, about(*QUANTITIES[name][:2]))
+        for name, coordinate in plan.coordinates.items()
     }
     if plan.sections:
         coordinates |= {"period": np.arange(-plan.sections, 0), "component": ["x", "v"]}
@@ -124,7 +124,11 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
 
 def _call_text(plan: SweepPlan) -> str:
     """Return the call of `sweep` that gives this result again, as Python source."""
-    over = {name: each for name, each in plan.coordinates.items() if each.dimension != START_AXIS}
+    over = {
+        name: coordinate
+        for name, coordinate in plan.coordinates.items()
+        if coordinate.dimension != START_AXIS
+    }
     scene = plan.scene
     axes = list[str]()
     for (
@@ -152,7 +156,7 @@ def _call_text(plan: SweepPlan) -> str:
     parameters = ", ".join(f"{name}={text!r}" for name, text in scene.parameters.as_dict().items())
     start = ", ".join(f"{name}={show(getattr(scene, name))!r}" for name in START_NAMES)
     if scene.start_error is not None:
-        start += f", start_error={[show(each) for each in scene.start_error]!r}"
+        start += f", start_error={[show(error) for error in scene.start_error]!r}"
     return (
         f"sweep(Scene({scene.name!r}, Parameters({parameters}), {start}), {written}, "
         f"{', '.join(options)})"
@@ -188,7 +192,7 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
     # The file is read as bytes: the libraries do not fail well.
     if not os.path.lexists(path):
         return None
-    found = list[bytes]()
+    plans = list[bytes]()
     place = _text_file(path)
     ending = path.suffix.lower()
     if place.is_file():
@@ -196,10 +200,10 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
             if ending == ".nc":
                 size = len(NETCDF_END.format(NO_CHECKSUM, NO_CHECKSUM))
                 file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
-            found = PLAN_FORM.findall(file.readline(1 << 24) if ending == ".csv" else file.read())
-    if not found or (to_replace and not all(map(ZARR_FORM.fullmatch, _files_in(path)))):
+            plans = PLAN_FORM.findall(file.readline(1 << 24) if ending == ".csv" else file.read())
+    if not plans or (to_replace and not all(map(ZARR_FORM.fullmatch, _files_in(path)))):
         raise SweepError(f"{path} exists and is not the output of a sweep: name another file")
-    return found[-1].decode()
+    return plans[-1].decode()
 
 
 def _text_file(path: Path) -> Path:
@@ -216,8 +220,8 @@ def _files_in(path: Path) -> dict[str, Path]:
 
     Nothing if the path is a file.
     """
-    found = (each for each in path.rglob("*") if each.is_symlink() or not each.is_dir())
-    return dict(sorted((each.relative_to(path).as_posix(), each) for each in found))
+    entries = (entry for entry in path.rglob("*") if entry.is_symlink() or not entry.is_dir())
+    return dict(sorted((entry.relative_to(path).as_posix(), entry) for entry in entries))
 
 
 def read_columns(path: Path) -> Columns:
@@ -225,8 +229,8 @@ def read_columns(path: Path) -> Columns:
 
     SweepError if the file was damaged or changed.
     """
-    found, stated, _ = _checksum(path)
-    if found != stated:
+    actual, stated, _ = _checksum(path)
+    if actual != stated:
         raise SweepError(
             f"{path} is damaged, or was changed after it was written: start anew, or name "
             "another file"
@@ -252,8 +256,8 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
         with _text_file(draft).open("r+b") as file:
             file.seek(begin)
             file.write(checksum.encode())
-        for each in (*_files_in(draft).values(), *filter(Path.is_dir, draft.rglob("*")), draft):
-            _to_disk(each)
+        for entry in (*_files_in(draft).values(), *filter(Path.is_dir, draft.rglob("*")), draft):
+            _to_disk(entry)
         if plan_of(path, to_replace=True) is not None and path.is_dir():
             remove(path)
         os.replace(draft, path)
@@ -286,18 +290,18 @@ def _checksum(path: Path) -> tuple[str, str, int]:
     place = _text_file(path)
     stated = ""
     begin = 0
-    found = sha256()
+    checksum = sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())
-        found.update(f"{name} {len(content)}\n".encode())
+        checksum.update(f"{name} {len(content)}\n".encode())
         if file == place and (places := list(CHECKSUM_FORM.finditer(content))):
             begin, end = places[-1].span(1)  # before it, a scene may have any name
             stated = bytes(content[begin:end]).decode()
-            found.update(content[:begin])
-            found.update(NO_CHECKSUM.encode())
+            checksum.update(content[:begin])
+            checksum.update(NO_CHECKSUM.encode())
             content = content[end:]
-        found.update(content)
-    return found.hexdigest(), stated, begin
+        checksum.update(content)
+    return checksum.hexdigest(), stated, begin
 
 
 # -- formats ---------------------------------------------------------------------------------------
@@ -310,7 +314,7 @@ def _write_netcdf(dataset: xarray.Dataset, draft: Path) -> None:
     content = BytesIO()
     checksum = dataset.attrs.pop("sha256")
     checked = {
-        name: {"fletcher32": True} for name, each in dataset.items() if each.dtype.kind != "U"
+        name: {"fletcher32": True} for name, column in dataset.items() if column.dtype.kind != "U"
     }
     with h5netcdf.File(content, "w") as file:
         store = need_xarray().backends.H5NetCDFStore(file)
@@ -346,8 +350,8 @@ def _write_csv(dataset: xarray.Dataset, draft: Path) -> None:
     A point of a Poincaré section takes two columns.
     """
     kinds = {
-        str(name): "U" if each.dtype.kind == "U" else str(each.dtype)
-        for name, each in dataset.items()
+        str(name): "U" if column.dtype.kind == "U" else str(column.dtype)
+        for name, column in dataset.items()
     }
     flat = dataset.drop_vars(["section", *SECTION_NAMES], errors="ignore")
     for i in range(dataset.sizes.get("period", 0)):

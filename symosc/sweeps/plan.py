@@ -20,12 +20,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import symosc
-from symosc.base.aliases import Record
+from symosc.base.aliases import Record, SceneName
 from symosc.base.errors import ParameterError, SweepError, meant
 from symosc.base.exact import LARGEST, read_exact, scalar_of, show, unmasked, whole_number
 from symosc.base.quantities import forcing_periods, read_number
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
-from symosc.scenes import STARTS, Scene, from_rest, load_scene, not_reduced_error
+from symosc.scenes import STARTS, Scene, from_rest, not_reduced_error, scene_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
@@ -35,7 +35,8 @@ MOST_AXES = 3
 #: The dimension of a table's rows, and of several starts.
 SET_AXIS = "set"
 START_AXIS = "start"
-MOST_SWEPT = MOST_FORCING_PERIODS = 10**9
+MOST_SWEPT = 10**9
+MOST_FORCING_PERIODS = 10**9
 AXIS_FORM = "give numbers, or LO:HI:N such as '1:6:500'"
 OVER_FORM = (
     "give names with their values, such as {'Omega': '1:6:500'}, or a table: a DataFrame or a list "
@@ -101,7 +102,9 @@ class SweepPlan:
     @cached_property
     def sizes(self) -> dict[str, int]:
         """The names of the sweep's dimensions and their lengths."""
-        return {each.dimension: len(each.values) for each in self.coordinates.values()}
+        return {
+            coordinate.dimension: len(coordinate.values) for coordinate in self.coordinates.values()
+        }
 
     def __len__(self) -> int:
         return math.prod(self.sizes.values())
@@ -110,7 +113,10 @@ class SweepPlan:
         """Return the swept values of the cells from `begin` up to `end`."""
         places = np.unravel_index(np.arange(begin, end), tuple(self.sizes.values()))
         where = dict(zip(self.sizes, places, strict=True))
-        return {name: each.values[where[each.dimension]] for name, each in self.coordinates.items()}
+        return {
+            name: coordinate.values[where[coordinate.dimension]]
+            for name, coordinate in self.coordinates.items()
+        }
 
     @property
     def column_names(self) -> tuple[str, ...]:
@@ -128,11 +134,11 @@ class SweepPlan:
         swept = [  # in order, which is that of the dimensions
             [
                 name,
-                each.dimension,
-                len(each.values),
-                hashlib.sha256(each.values.tobytes()).hexdigest(),
+                coordinate.dimension,
+                len(coordinate.values),
+                hashlib.sha256(coordinate.values.tobytes()).hexdigest(),
             ]
-            for name, each in self.coordinates.items()
+            for name, coordinate in self.coordinates.items()
         ]
         errors = self.scene.start_error
         return {
@@ -140,7 +146,7 @@ class SweepPlan:
             "kernels": kernels_hash(),
             "parameters": self.scene.parameters.as_dict(),
             "start": {name: show(getattr(self.scene, name)) for name in STARTS},
-            "start_error": None if errors is None else [show(each) for each in errors],
+            "start_error": None if errors is None else [show(error) for error in errors],
             "swept": swept,
             "record": list(self.record),
             "sections": self.sections,
@@ -208,22 +214,22 @@ def kernels_hash() -> str:
 
 
 def read_plan(
-    scene: Any, over: Any, record: Any, t_end: Any, skip: Any, starts: Any = None
+    scene: Scene | Parameters | SceneName,
+    over: Any,
+    record: Any,
+    t_end: Any,
+    skip: Any,
+    starts: Any = None,
 ) -> SweepPlan:
     """Check the arguments of `sweep` and return them as a plan."""
-    if isinstance(scene, Parameters):
+    problem = scene_of(scene, "scene")
+    if isinstance(problem, Parameters):
         if t_end is None:
             raise ParameterError("t_end", None, "t_end is required when you pass Parameters")
-        problem = from_rest(
-            scene, LARGEST
-        )  # `t_end` may be in forcing periods, and later than other starts
-    else:
-        if isinstance(scene, Scene):
-            problem = scene
-        else:
-            problem = load_scene(scene)
-        if problem.original is not None:
-            raise not_reduced_error(problem)
+        # `t_end` may be in forcing periods, and later than other starts
+        problem = from_rest(problem, LARGEST)
+    elif problem.original is not None:
+        raise not_reduced_error(problem)
     if starts is None:
         rows = None
     else:
@@ -249,21 +255,27 @@ def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) 
     """
     table = _table_columns(over)
     if table is None:
-        found = _axes(over)
+        coordinates = _axes(over)
     else:
-        found = {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
+        coordinates = {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
-        if twice := [name for name in STARTS if name in found]:
+        if twice := [name for name in STARTS if name in coordinates]:
             raise ParameterError(
                 "starts", twice[0], "must be either swept or one of the starts, not both"
             )
         columns = zip(STARTS, starts.T, strict=True)
-        found |= {name: Coordinate(START_AXIS, _numbers(name, values)) for name, values in columns}
-    count = math.prod({each.dimension: len(each.values) for each in found.values()}.values())
+        coordinates |= {
+            name: Coordinate(START_AXIS, _numbers(name, values)) for name, values in columns
+        }
+    count = math.prod(
+        {
+            coordinate.dimension: len(coordinate.values) for coordinate in coordinates.values()
+        }.values()
+    )
     if count > MOST_SWEPT:
         raise ParameterError("over", f"{count} motions", f"must be at most {MOST_SWEPT}")
-    _check_values(scene, found)
-    return found
+    _check_values(scene, coordinates)
+    return coordinates
 
 
 def _axes(over: Any) -> Coordinates:
@@ -293,16 +305,16 @@ def read_axis(name: str, values: Any) -> np.ndarray:
     "LO:HI:N".
     """
     if isinstance(values, str):
-        found = _evenly_spaced(name, values)
+        numbers = _evenly_spaced(name, values)
     else:
-        found = _numbers(name, values)
-    if not len(found):
+        numbers = _numbers(name, values)
+    if not len(numbers):
         raise ParameterError(name, values, f"must have one or more values; {AXIS_FORM}")
-    ordered = np.sort(found)
+    ordered = np.sort(numbers)
     same = ordered[1:][ordered[1:] == ordered[:-1]]
     if len(same):
         raise ParameterError(name, float(same[0]), "must be on its axis only once")
-    return found
+    return numbers
 
 
 def _read_whole(name: str, text: str, least: int) -> int:
@@ -377,11 +389,11 @@ def _start_rows(starts: Any) -> np.ndarray:
     """
     columns = named("starts", starts, STARTS)
     if isinstance(columns, Mapping):
-        each = [
+        arrays = [
             np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()
         ]
         try:
-            rows = np.stack(np.broadcast_arrays(*each), axis=-1)
+            rows = np.stack(np.broadcast_arrays(*arrays), axis=-1)
         except ValueError:
             lengths = [np.shape(column) for column in columns.values()]
             allowed = "the columns must have the same length, or length 1"
@@ -404,7 +416,11 @@ def _check_values(scene: Scene, coordinates: Coordinates) -> None:
     """Check that `Parameters` accepts the extreme swept values: then it accepts all values between
     them.
     """
-    swept = {name: each.values for name, each in coordinates.items() if name in PARAMETER_NAMES}
+    swept = {
+        name: coordinate.values
+        for name, coordinate in coordinates.items()
+        if name in PARAMETER_NAMES
+    }
     belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
     for name, values in swept.items():
         for value in (values.min(), values.max()):
@@ -420,13 +436,13 @@ def _check_values(scene: Scene, coordinates: Coordinates) -> None:
         scene.parameters.replace(**nearest)
 
 
-def read_duration(name: str, given: Any) -> Duration:
+def read_duration(name: str, duration: Any) -> Duration:
     """Return a `Duration` from a number, or from text such as "60T" for 60 periods of the drive."""
-    periods = forcing_periods(name, given)
+    periods = forcing_periods(name, duration)
     if periods is None:
-        return Duration(read_number(name, given)[0])
+        return Duration(read_number(name, duration)[0])
     if not 0 <= periods <= MOST_FORCING_PERIODS:
-        raise ParameterError(name, given, f"must be from 0 to {MOST_FORCING_PERIODS} periods")
+        raise ParameterError(name, duration, f"must be from 0 to {MOST_FORCING_PERIODS} periods")
     return Duration(periods, periods=True)
 
 
@@ -458,7 +474,7 @@ def _read_record(record: Any) -> tuple[tuple[str, ...], int]:
 
 def _check_times(plan: SweepPlan) -> None:
     """Raise ParameterError unless every motion ends after its start and after the skipped time."""
-    swept = {name: each.values for name, each in plan.coordinates.items()}
+    swept = {name: coordinate.values for name, coordinate in plan.coordinates.items()}
     if "t0" in swept:
         t0 = read_exact("t0", float(swept["t0"].max()))
     else:

@@ -52,13 +52,13 @@ class Store:
         cannot be read.
         """
         try:
-            found = json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["key"]
+            key = json.loads((self.folder / PLAN_FILE).read_text(encoding="utf-8"))["key"]
         except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, KeyError, TypeError):
             return ""
-        if isinstance(found, str) and PLAN_KEY_FORM.fullmatch(found):
-            return found
+        if isinstance(key, str) and PLAN_KEY_FORM.fullmatch(key):
+            return key
         return ""
 
     def open(self, key: str, content: Record, resume: bool = True) -> None:

@@ -37,7 +37,7 @@ from symosc.base.display.progress import reporting
 from symosc.base.errors import ParameterError, SweepError, SymoscError, optional
 from symosc.base.exact import whole_number
 from symosc.model import Parameters
-from symosc.scenes import Scene, scene_of
+from symosc.scenes import Scene
 from symosc.sweeps import output
 from symosc.sweeps.output import need_xarray
 from symosc.sweeps.plan import SweepPlan, compute, kernels_hash, read_plan
@@ -120,7 +120,6 @@ def sweep(
     >>> sweep("fig9", {"Omega": "3.5:4.5:3", "FN": [5, 10]}, t_end="12T", skip="10T").word.values.tolist()
     [['P32', 'P32'], ['P32', 'P32'], ['P74682', 'P32']]
     """
-    scene = scene_of(scene, "scene")
     require(*GRID_LIKE, over=over)
     require(*NAMES, record=record)
     require_or_none(NUMBER, t_end=t_end)
@@ -128,7 +127,7 @@ def sweep(
     require_or_none(*TABLE_LIKE, starts=starts)
     require_or_none(WHOLE, workers=workers)
     require_or_none(EXECUTOR, executor=executor)
-    require_or_none(FILE, path=path)
+    require_or_none(*FILE, path=path)
     require(FLAG, resume=resume)
     require(*PROGRESS, progress=progress)
     need_xarray()
@@ -276,7 +275,7 @@ def _carried_out(
                 pending[future] = begin, end
             done, _ = wait(pending, return_when=FIRST_COMPLETED)
             for future in sorted(
-                done, key=lambda each: each.cancelled() or each.exception() is not None
+                done, key=lambda task: task.cancelled() or task.exception() is not None
             ):
                 begin, end = pending.pop(
                     future
@@ -371,13 +370,12 @@ def sweep_status(
     >>> sweep_status("fig9", {"Omega": "1:6:500"}, path="map.nc").done
     0
     """
-    scene = scene_of(scene, "scene")
     require(*GRID_LIKE, over=over)
     require(*NAMES, record=record)
     require_or_none(NUMBER, t_end=t_end)
     require(NUMBER, skip=skip)
     require_or_none(*TABLE_LIKE, starts=starts)
-    require(FILE, path=path)
+    require(*FILE, path=path)
     plan = read_plan(scene, over, record, t_end, skip, starts)
     target = output.output_path(path)
     store = Store(target)

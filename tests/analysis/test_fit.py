@@ -33,22 +33,22 @@ def measured(
 
 @pytest.mark.parametrize("seed", range(4))
 def test_noisy_events_some_of_them_missing(seed: int) -> None:
-    found = fit(
+    fitted = fit(
         "fig5", measured(seed, 1e-3), ("mu1", "c"), sigma=1e-3, start={"mu1": "0.84", "c": "1.05"}
     )
-    assert found.success, found.message
+    assert fitted.success, fitted.message
     for name, right in (("mu1", 0.8), ("c", 1.0)):
-        assert abs(found.values[name] - right) < 4.5 * found.errors[name]
-        assert found.errors[name] < 0.01
-    assert np.sqrt(np.mean(found.residuals**2)) < 1.6
-    assert isinstance(found.trajectory, Trajectory)
-    assert found.covariance[0, 0] == pytest.approx(found.errors["mu1"] ** 2)
+        assert abs(fitted.values[name] - right) < 4.5 * fitted.errors[name]
+        assert fitted.errors[name] < 0.01
+    assert np.sqrt(np.mean(fitted.residuals**2)) < 1.6
+    assert isinstance(fitted.trajectory, Trajectory)
+    assert fitted.covariance[0, 0] == pytest.approx(fitted.errors["mu1"] ** 2)
 
 
 def test_errors_are_those_of_many_measurements() -> None:
     """The spread of the fitted values over many measurements is the error that each one says."""
     fits = [fit("fig5", measured(seed, 2e-3, t_end=20), "mu1", sigma=2e-3) for seed in range(25)]
-    pulls = [(found.values["mu1"] - 0.8) / found.errors["mu1"] for found in fits]
+    pulls = [(result.values["mu1"] - 0.8) / result.errors["mu1"] for result in fits]
     assert 0.6 < np.std(pulls) < 1.5
 
 
@@ -58,9 +58,9 @@ def test_samples() -> None:
     t = np.linspace(0.1, 20, 150)
     x, v = trajectory(t)
     data: dict[str, Any] = {"t": t, "x": x + dice.normal(size=len(t)) * 1e-3}
-    found = fit("fig5", data, ("mu1", "k", "x0"), sigma=1e-3, start={"mu1": 0.83, "k": 1.02})
+    fitted = fit("fig5", data, ("mu1", "k", "x0"), sigma=1e-3, start={"mu1": 0.83, "k": 1.02})
     for name, right in (("mu1", 0.8), ("k", 1.0), ("x0", 0.0)):
-        assert abs(found.values[name] - right) < 4.5 * found.errors[name]
+        assert abs(fitted.values[name] - right) < 4.5 * fitted.errors[name]
     both = fit("fig5", data | {"v": v}, "mu1", sigma=[1e-3, 1e-2])
     assert len(both.residuals) == 2 * len(t)
     unknown = fit("fig5", data, "mu1")  # the error of the data is that of the residuals
@@ -71,20 +71,20 @@ def test_samples() -> None:
 
 def test_what_the_data_do_not_determine_is_said() -> None:
     """Times do not tell the unit of mass; one event does not tell two numbers."""
-    found = fit("fig5", measured(1, 1e-3), ("m", "c", "k", "A0", "B0", "FN"), sigma=1e-3)
-    assert not found.success
-    assert "do not determine m, c, k, A0, B0, FN" in found.message
-    assert all(math.isinf(error) for error in found.errors.values())
+    fitted = fit("fig5", measured(1, 1e-3), ("m", "c", "k", "A0", "B0", "FN"), sigma=1e-3)
+    assert not fitted.success
+    assert "do not determine m, c, k, A0, B0, FN" in fitted.message
+    assert all(math.isinf(error) for error in fitted.errors.values())
     assert not fit("fig5", measured(1, 1e-3)[:1], ("mu1", "c"), sigma=1e-3).success
 
 
 def test_as_many_data_as_numbers_tell_no_errors() -> None:
-    found = fit("fig5", [(1.221, "slip")], "mu1")
-    assert found.errors == {"mu1": np.inf}
-    assert "give sigma" in found.message
-    given = fit("fig5", [(1.221, "slip")], "mu1", sigma=1e-3)
-    assert given.errors["mu1"] < 1
-    assert fit("fig5", [(1.221, "slip")], "mu1", sigma=[1e-3, 9]).errors == given.errors
+    fitted = fit("fig5", [(1.221, "slip")], "mu1")
+    assert fitted.errors == {"mu1": np.inf}
+    assert "give sigma" in fitted.message
+    arguments = fit("fig5", [(1.221, "slip")], "mu1", sigma=1e-3)
+    assert arguments.errors["mu1"] < 1
+    assert fit("fig5", [(1.221, "slip")], "mu1", sigma=[1e-3, 9]).errors == arguments.errors
     refused(lambda: fit("fig5", [(1, 2, 3, 4)], "mu1"), "data")
 
 
@@ -116,12 +116,12 @@ HARD = Scene(
 def test_a_start_in_the_reach_of_another_minimum() -> None:
     """The minimum at k = 8.4 is wrong, where events of the motion come in another order."""
     data = [(event.t, event.kind) for event in simulate(HARD).events]
-    found = fit(HARD, data, "k", sigma=0.002, start={"k": 9.412})
-    assert found.success, found.message
-    assert abs(found.values["k"] - 7.24) < found.errors["k"]
+    fitted = fit(HARD, data, "k", sigma=0.002, start={"k": 9.412})
+    assert fitted.success, fitted.message
+    assert abs(fitted.values["k"] - 7.24) < fitted.errors["k"]
     again = fit(HARD, data, "k", sigma=0.002, start={"k": 9.412})
-    assert again.values == found.values
-    assert again.message == found.message
+    assert again.values == fitted.values
+    assert again.message == fitted.message
 
 
 @pytest.mark.parametrize("seed", [42, 50])
@@ -129,9 +129,9 @@ def test_many_starts_are_needed(seed: int, monkeypatch: pytest.MonkeyPatch) -> N
     """A fit from the first values alone, robust or not, ends in a minimum that is not the lowest."""
     made = fit_set(seed, 0.3)
     data = made.noisy(np.random.default_rng(seed))
-    found = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start)
-    assert found.success, found.message
-    assert made.is_right(found)
+    fitted = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start)
+    assert fitted.success, fitted.message
+    assert made.is_right(fitted)
     monkeypatch.setattr(best, "candidates", lambda problem, first: iter(()))
     for robust in (False, True):
         alone = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start, robust=robust)
@@ -145,10 +145,10 @@ def test_a_minimum_without_outliers_is_looked_for(robust: bool) -> None:
     """A wrong minimum describes all but three events in a row; the right one describes these too."""
     made = fit_set(1140, 0.05)
     data = made.noisy(np.random.default_rng(140))
-    found = fit(made.scene, data, made.free, start=made.start, robust=robust)
-    assert found.success
-    assert not found.outliers
-    assert made.is_right(found)
+    fitted = fit(made.scene, data, made.free, start=made.start, robust=robust)
+    assert fitted.success
+    assert not fitted.outliers
+    assert made.is_right(fitted)
 
 
 @pytest.mark.parametrize(
@@ -167,10 +167,10 @@ def test_a_family_of_fits(count: int) -> None:
             made = fit_set(seed, off)
             data = made.noisy(np.random.default_rng(seed))
             sigma = SIGMA if with_sigma else None
-            found = fit(made.scene, data, made.free, sigma=sigma, start=made.start)
-            assert not found.success or made.is_right(found), (seed, found)
-            assert found.success or "describes the data" in found.message
-            succeeded += found.success
+            fitted = fit(made.scene, data, made.free, sigma=sigma, start=made.start)
+            assert not fitted.success or made.is_right(fitted), (seed, fitted)
+            assert fitted.success or "describes the data" in fitted.message
+            succeeded += fitted.success
         assert succeeded >= 0.95 * count - 1
 
 
@@ -195,9 +195,9 @@ def test_a_family_with_outliers(count: int) -> None:
         robust = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start, robust=True)
         assert not robust.success or made.is_right(robust), (seed, robust)
         succeeded += robust.success
-        for found in (plain, robust):
-            named += [outlier.row for outlier in found.outliers] == [row]
-            assert len(found.outliers) <= 1 + len(data) // 10
+        for result in (plain, robust):
+            named += [outlier.row for outlier in result.outliers] == [row]
+            assert len(result.outliers) <= 1 + len(data) // 10
     assert succeeded >= 0.95 * count - 1
     assert named >= 2 * (0.9 * count - 1)
 
@@ -214,18 +214,18 @@ def test_data_of_another_motion_are_not_described(sigma: float | None, form: str
         data = [(event.t, event.kind) for event in motion.events]
     wrong = load_scene("fig5").parameters.replace(FN=9)
     scene = replace(load_scene("fig5"), parameters=wrong, t_end=Fraction(20))
-    found = fit(scene, data, "k", sigma=sigma, start={"k": 1.1})
-    assert not found.success
-    assert "no motion describes the data, from many starts: " in found.message
-    assert "farthest off are " in found.message
-    assert ("chi² is " in found.message) == (sigma is not None)
+    fitted = fit(scene, data, "k", sigma=sigma, start={"k": 1.1})
+    assert not fitted.success
+    assert "no motion describes the data, from many starts: " in fitted.message
+    assert "farthest off are " in fitted.message
+    assert ("chi² is " in fitted.message) == (sigma is not None)
 
 
 def test_sigma_below_the_rounding_is_said() -> None:
     scene, data = sampled(0, 4, 0.0)
-    found = fit(scene, data, ("mu1", "c"), sigma=1e-7)
-    assert not found.success
-    assert "sigma is smaller than the errors of rounding (x to 4 decimals" in found.message
+    fitted = fit(scene, data, ("mu1", "c"), sigma=1e-7)
+    assert not fitted.success
+    assert "sigma is smaller than the errors of rounding (x to 4 decimals" in fitted.message
     assert fit(scene, data, ("mu1", "c"), sigma=1e-4 / math.sqrt(12)).success
 
 
@@ -247,8 +247,8 @@ def test_random_errors_are_no_misfit() -> None:
     names = ("mu1", "c")
     for seed in range(0, 12, 2):
         scene, data = sampled(seed, None, 1e-3, "x", 8 + 10 * seed)
-        found = fit(scene, data, names)
-        assert found.success, found.message
+        fitted = fit(scene, data, names)
+        assert fitted.success, fitted.message
         events = measured(seed, 1e-3, t_end=12 + 4 * seed)
         assert fit("fig5", events, names).success
 
@@ -285,11 +285,11 @@ def covers(sizes: np.ndarray) -> None:
 )
 def test_errors_of_samples(kind: str, count: int) -> None:
     decimals, noise, columns, sigma = SAMPLES[kind]
-    found = []
+    results = []
     for seed in range(count):
         scene, data = sampled(seed, decimals, noise, columns)
-        found.append(pulls(scene, fit(scene, data, ("mu1", "c"), sigma=sigma)))
-    for column in np.transpose(found):  # numbers of one fit are correlated: each counts alone
+        results.append(pulls(scene, fit(scene, data, ("mu1", "c"), sigma=sigma)))
+    for column in np.transpose(results):  # numbers of one fit are correlated: each counts alone
         covers(column)
         assert abs(np.sqrt(np.mean(column**2)) - 1.0) <= 3.0 / math.sqrt(2.0 * count)
 
@@ -304,13 +304,13 @@ def test_errors_of_samples(kind: str, count: int) -> None:
     ],
 )
 def test_errors_of_events(sigma: float | None, robust: bool, count: int) -> None:
-    found = []
+    results = []
     for seed in range(count):
         made = fit_set(1000 + seed, 0.05)
         data = made.noisy(np.random.default_rng(seed))
         result = fit(made.scene, data, made.free, sigma=sigma, start=made.start, robust=robust)
-        found.append(pulls(made.scene, result)[0])
-    covers(np.array(found))
+        results.append(pulls(made.scene, result)[0])
+    covers(np.array(results))
 
 
 def linear_theory(slopes: np.ndarray, noise: np.ndarray, sigma: float) -> tuple[Any, Any]:
@@ -327,9 +327,9 @@ def test_samples_and_linear_theory(seed: int) -> None:
     noise = np.concatenate([data["x"], data["v"]]) - np.ravel(simulate(scene)(data["t"]))
     slopes = sensitivities(scene, names)(data["t"]).reshape(-1, 2)
     moves, errors = linear_theory(slopes, noise, 1e-3)
-    found = fit(scene, data, names, sigma=1e-3)
-    assert list(found.errors.values()) == pytest.approx(errors, rel=1e-3)
-    assert pulls(scene, found) == pytest.approx(moves, abs=1e-3)
+    fitted = fit(scene, data, names, sigma=1e-3)
+    assert list(fitted.errors.values()) == pytest.approx(errors, rel=1e-3)
+    assert pulls(scene, fitted) == pytest.approx(moves, abs=1e-3)
 
 
 @pytest.mark.parametrize("count", [5, pytest.param(300, marks=pytest.mark.campaign)])
@@ -344,20 +344,20 @@ def test_events_and_linear_theory(count: int) -> None:
         data = made.noisy(np.random.default_rng(seed))
         noise = np.array([t for t, _ in data]) - np.array([t for t, _ in made.events])
         moves, errors = linear_theory(made.slopes, noise, SIGMA)
-        found = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start)
-        assert list(found.errors.values()) == pytest.approx(errors, rel=0.1)
-        bent += (np.array(pulls(made.scene, found)) - moves).tolist()
+        fitted = fit(made.scene, data, made.free, sigma=SIGMA, start=made.start)
+        assert list(fitted.errors.values()) == pytest.approx(errors, rel=0.1)
+        bent += (np.array(pulls(made.scene, fitted)) - moves).tolist()
     assert np.sqrt(np.mean(np.square(bent))) < 0.02
 
 
 def test_rounding_errors_repeat_in_a_stick() -> None:
     """Errors of samples rounded to 5 decimals are larger than the square root of n says."""
     scene, data = sampled(2, 5, 0.0, "x", 600)
-    found = fit(scene, data, "mu1")
+    fitted = fit(scene, data, "mu1")
     slopes = sensitivities(scene, "mu1")(data["t"])[0, :, 0]
     independent = 1e-5 / math.sqrt(12) / math.sqrt(float(slopes @ slopes))
-    assert found.errors["mu1"] > 2 * independent
-    assert abs(pulls(scene, found)[0]) < 4
+    assert fitted.errors["mu1"] > 2 * independent
+    assert abs(pulls(scene, fitted)[0]) < 4
 
 
 # -- names of columns, files ---------------------------------------------------------------------
@@ -373,10 +373,10 @@ def test_columns_are_known_as_in_checks(tmp_path: Path) -> None:
     np.savez(tmp_path / "samples.npz", clock=t, u=x)
     rows = list(zip(t, x, v, strict=True))
     for data in ({"time": t, "pos": x, "vel": v}, file, str(file), motion, rows):
-        found = fit("fig5", data, "mu1", sigma=1e-3)
-        assert found.success
-        assert found.values["mu1"] == pytest.approx(right.values["mu1"])
-        assert len(found.residuals) == 80 or data is motion
+        fitted = fit("fig5", data, "mu1", sigma=1e-3)
+        assert fitted.success
+        assert fitted.values["mu1"] == pytest.approx(right.values["mu1"])
+        assert len(fitted.residuals) == 80 or data is motion
     named = {"t": "clock", "x": "u"}
     for data in ({"clock": t, "u": x}, tmp_path / "samples.npz"):
         assert len(fit("fig5", data, "mu1", sigma=1e-3, columns=named).residuals) == 40

@@ -34,7 +34,7 @@ def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
     model = drawn(kind, 100 + seed).replace(c="4/5", m=1)
     Om = float(model.Omega)
     follow = Original(model)
-    found = frequency_response(model, {"Omega": [Om]})
+    response = frequency_response(model, {"Omega": [Om]})
     n = follow.n
     period = TURN / Om
     end = 14 * period + 60  # exp(-0.4 * 60) is 4e-11; a motion with sticks may be slower
@@ -74,7 +74,7 @@ def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
         if kind == "stick"
     ]
     stuck = sum(max(0.0, b - max(a, begin)) for a, b in held)
-    assert found.status[0] in ("orbit", "rest")
+    assert response.status[0] in ("orbit", "rest")
     expected = {
         "amplitude": (extreme(1) - extreme(-1)) / 2,
         "harmonic": abs(first),
@@ -82,7 +82,7 @@ def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
         "damper": damper,
     }
     for name, value in (expected | {"work": heat + damper, "stuck": stuck / period}).items():
-        assert getattr(found, name)[0] == pytest.approx(
+        assert getattr(response, name)[0] == pytest.approx(
             value, rel=1e-8, abs=1e-8 if name == "stuck" else 1e-9
         ), name
     if model.Y:
@@ -91,9 +91,9 @@ def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
         excitation = model.force
     else:
         excitation = None
-    if excitation is not None and found.harmonic[0] > 0:
+    if excitation is not None and response.harmonic[0] > 0:
         lag = np.angle(complex(float(excitation.C), -float(excitation.S)) / first)
-        assert np.angle(np.exp(1j * (found.phase[0] - lag))) == pytest.approx(0, abs=1e-8)
+        assert np.angle(np.exp(1j * (response.phase[0] - lag))) == pytest.approx(0, abs=1e-8)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -106,30 +106,32 @@ def test_what_goes_in_is_what_is_lost(kind: str) -> None:
     for seed in range(2):
         model = drawn(kind, seed)
         for name, values in (("Omega", "0.35:2.9:4"), ("k", "0.6:3.5:4")):
-            found = frequency_response(model, {name: values})
-            known = np.isfinite(found.amplitude)
-            for status in found.status[~known]:
+            response = frequency_response(model, {name: values})
+            known = np.isfinite(response.amplitude)
+            for status in response.status[~known]:
                 assert model.c == 0
                 assert "for ever" in status
-            scale = np.maximum(np.abs(found.dissipated), float(model.FN or 1) * found.amplitude)[
-                known
-            ]
-            assert (np.abs(found.work - found.dissipated)[known] < 1e-11 * scale).all()
-            assert (found.error[known] < 1e-10 * (1 + found.amplitude[known])).all()
+            scale = np.maximum(
+                np.abs(response.dissipated), float(model.FN or 1) * response.amplitude
+            )[known]
+            assert (np.abs(response.work - response.dissipated)[known] < 1e-11 * scale).all()
+            assert (response.error[known] < 1e-10 * (1 + response.amplitude[known])).all()
 
 
 def test_den_hartogs_amplitude_and_phase() -> None:
     """Trans. ASME 53 (1931): amplitudes and, for c = 0, the phase of the highest point."""
     for c, F, Omega, x0 in (("0", "0.4", 1.5, 0.6531972647421811), ("0.2", "0.4", 1.5, 0.5488324917917096),
                             ("0.1", "0.25", 0.6, 1.487067086810845)):  # fmt: skip
-        found = frequency_response(wall(F, c=c), {"Omega": [Omega]})
-        assert found.word.tolist() == ["P32"]
-        assert found.amplitude[0] == pytest.approx(x0, rel=1e-13)
+        response = frequency_response(wall(F, c=c), {"Omega": [Omega]})
+        assert response.word.tolist() == ["P32"]
+        assert response.amplitude[0] == pytest.approx(x0, rel=1e-13)
     # the drive does pi B0 X1 sin(lag) per cycle, and friction takes 4 F x0
-    found = frequency_response(wall("0.4"), {"Omega": "1.3:2:5"})
-    assert found.work == pytest.approx(pi * found.harmonic * np.sin(found.phase), rel=1e-12)
-    assert found.dissipated == pytest.approx(1.6 * found.amplitude, rel=1e-12)
-    assert (found.damper == 0).all()
+    response = frequency_response(wall("0.4"), {"Omega": "1.3:2:5"})
+    assert response.work == pytest.approx(
+        pi * response.harmonic * np.sin(response.phase), rel=1e-12
+    )
+    assert response.dissipated == pytest.approx(1.6 * response.amplitude, rel=1e-12)
+    assert (response.damper == 0).all()
     # what the ground feels: P cos(Omega t) - m x'', with a jump of 2 F at the highest point
     motion = simulate(wall("0.4").replace(Omega="1.5").parameters, t_end="60T")
     t = np.linspace(50, 60, 40_001) * TURN / 1.5
@@ -141,15 +143,15 @@ def test_den_hartogs_amplitude_and_phase() -> None:
 
 def test_motions_that_meet_no_belt_and_rests() -> None:
     p = Parameters(m=2, c=1, k=3, A0=1, B0=1, Omega=2, v1=-5, v2=5, mu1=1, mu2="1/2", FN=1)
-    found = frequency_response(p, {"Omega": [0.5, 2.0]})
-    assert found.status.tolist() == ["linear"] * 2
-    exact = 1 / (3 - 2 * found.values**2 + 1j * found.values)
-    assert found.amplitude == pytest.approx(abs(exact), rel=1e-13)
-    assert found.balance == pytest.approx(abs(exact), rel=1e-13)
-    assert found.phase == pytest.approx(-np.angle(exact), rel=1e-12)
-    assert found.damper == pytest.approx(pi * found.values * abs(exact) ** 2, rel=1e-12)
+    response = frequency_response(p, {"Omega": [0.5, 2.0]})
+    assert response.status.tolist() == ["linear"] * 2
+    exact = 1 / (3 - 2 * response.values**2 + 1j * response.values)
+    assert response.amplitude == pytest.approx(abs(exact), rel=1e-13)
+    assert response.balance == pytest.approx(abs(exact), rel=1e-13)
+    assert response.phase == pytest.approx(-np.angle(exact), rel=1e-12)
+    assert response.damper == pytest.approx(pi * response.values * abs(exact) ** 2, rel=1e-12)
     # both belts slip all the time, and their motors do that work: 2 mu FN |v| per unit of time
-    assert found.friction == pytest.approx(TURN / found.values * 1.5 * 5, rel=1e-12)
+    assert response.friction == pytest.approx(TURN / response.values * 1.5 * 5, rel=1e-12)
     rest = frequency_response(wall("1.01", c="0.1"), {"Omega": [0.5, 1.0]})
     assert rest.status.tolist() == ["rest"] * 2
     assert (rest.amplitude.tolist(), rest.stuck.tolist(), rest.dissipated.tolist()) == (
@@ -172,9 +174,13 @@ def test_harmonic_balance_is_what_the_books_have() -> None:
     """
     F = 0.3
     Om = np.array([0.7, 1.4, 2.0])
-    found = frequency_response(wall("0.3"), {"Omega": Om})
-    assert found.balance == pytest.approx(sqrt(1 - (4 * F / pi) ** 2) / abs(1 - Om**2), rel=1e-12)
-    assert found.balance_error == pytest.approx(found.balance / found.amplitude - 1, rel=1e-12)
+    response = frequency_response(wall("0.3"), {"Omega": Om})
+    assert response.balance == pytest.approx(
+        sqrt(1 - (4 * F / pi) ** 2) / abs(1 - Om**2), rel=1e-12
+    )
+    assert response.balance_error == pytest.approx(
+        response.balance / response.amplitude - 1, rel=1e-12
+    )
     errors = [
         abs(frequency_response(wall(F), {"Omega": [1.4]}).balance_error[0])
         for F in ("0.4", "0.2", "0.1")
@@ -182,9 +188,9 @@ def test_harmonic_balance_is_what_the_books_have() -> None:
     assert errors[0] > 3 * errors[1] > 9 * errors[2]
     # belts that move: the first harmonic of friction by quadrature
     p = load_scene("fig9").parameters
-    found = frequency_response(p, {"Omega": [4.0]})
-    m, c, k, B0, FN = (float(each) for each in (p.m, p.c, p.k, p.B0, p.FN))
-    V = 4 * found.balance[0]
+    response = frequency_response(p, {"Omega": [4.0]})
+    m, c, k, B0, FN = (float(item) for item in (p.m, p.c, p.k, p.B0, p.FN))
+    V = 4 * response.balance[0]
     a = (np.arange(400_000) + 0.5) * TURN / 400_000
     friction = -sum(
         float(mu) * FN * np.sign(-V * np.sin(a) - float(v))
@@ -209,7 +215,7 @@ def test_marinos_inversion() -> None:
     swept = [
         frequency_response(base.replace(Omega=r), {"FN": [0.1, 0.3, 0.5]}) for r in ("1.35", "1.6")
     ]
-    low, high = (found.transmissibility for found in swept)
+    low, high = (result.transmissibility for result in swept)
     assert 1 / (1.35**2 - 1) > low[0] > low[1] > low[2]
     assert 1 / (1.6**2 - 1) < high[0] < high[1] < high[2]
     small = frequency_response(base.replace(FN="0.02"), {"Omega": [1.412, 1.4161]}).transmissibility

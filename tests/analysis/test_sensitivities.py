@@ -103,24 +103,24 @@ def differences(
 @pytest.mark.parametrize("seed", range(16))
 def test_derivatives_are_those_of_differences(seed: int) -> None:
     p, start, t_end = scene(seed)
-    found = sensitivities(p, NAMES, **start, t_end=t_end)
+    changes = sensitivities(p, NAMES, **start, t_end=t_end)
     for i, name in enumerate(NAMES):
         if name in ("c", "k", "mu1", "mu2") and getattr(p, name) == 0:
             continue
         quotients, motions = differences(p, start, t_end, name)
-        assert [each.kind for each in motions[0].events] == [
-            each.kind for each in found.trajectory.events
+        assert [event.kind for event in motions[0].events] == [
+            event.kind for event in changes.trajectory.events
         ]
         size = 1 + abs(quotients).max(initial=0)
         np.testing.assert_allclose(
-            found.dt[:, i], quotients[:, 0], rtol=0, atol=1e-9 * size, err_msg=name
+            changes.dt[:, i], quotients[:, 0], rtol=0, atol=1e-9 * size, err_msg=name
         )
         np.testing.assert_allclose(
-            found.dx[:, i], quotients[:, 1], rtol=0, atol=1e-9 * size, err_msg=name
+            changes.dx[:, i], quotients[:, 1], rtol=0, atol=1e-9 * size, err_msg=name
         )
         times = np.linspace(float(start["t0"]), float(t_end), 9)[1:]
         apart = min(
-            (abs(times - float(event.t)).min() for event in found.trajectory.events), default=1
+            (abs(times - float(event.t)).min() for event in changes.trajectory.events), default=1
         )
         if apart > 1e-4:  # so wide a step that doubles resolve it
             wide = []
@@ -130,7 +130,7 @@ def test_derivatives_are_those_of_differences(seed: int) -> None:
             slopes = (np.asarray(wide[0](times)) - np.asarray(wide[1](times))) / 2e-6
             scale = 1 + abs(slopes).max()
             np.testing.assert_allclose(
-                found(times)[:, :, i], slopes, rtol=0, atol=1e-4 * scale, err_msg=name
+                changes(times)[:, :, i], slopes, rtol=0, atol=1e-4 * scale, err_msg=name
             )
 
 
@@ -179,7 +179,7 @@ class Judged:
 def moved(scene: FuzzScene, name: str, by: Fraction, digits: int | None) -> Any:
     """Return the events of a scene with a changed number."""
     p = scene.p
-    start = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}
+    start = {name: getattr(scene, name) for name in ("t0", "x0", "v0")}
     if name in start:
         start[name] += by
     elif name:
@@ -206,7 +206,7 @@ def quotients(scene: FuzzScene, name: str, base: Any, digits: int | None) -> Any
         )
         if same:
             triples = [
-                [getattr(each[n], axis) for each in (more, base, less)] for axis in ("t", "x")
+                [getattr(item[n], axis) for item in (more, base, less)] for axis in ("t", "x")
             ]
         else:
             triples = ()
@@ -219,10 +219,10 @@ def quotients(scene: FuzzScene, name: str, base: Any, digits: int | None) -> Any
 
 def judged(scene: FuzzScene, names: tuple[str, ...]) -> list[Judged]:
     """Judge all derivatives of a scene."""
-    start = {each: getattr(scene, each) for each in ("t0", "x0", "v0", "t_end")}
+    start = {name: getattr(scene, name) for name in ("t0", "x0", "v0", "t_end")}
     s = sensitivities(scene.p, names, **start)
     base = cache(lambda digits: moved(scene, "", Fraction(0), digits))
-    found: list[Judged] = []
+    results: list[Judged] = []
     for j, name in enumerate(names):
         rows: list[Judged] = []
         with suppress(ParameterError):  # a step to values that are not allowed
@@ -230,26 +230,26 @@ def judged(scene: FuzzScene, names: tuple[str, ...]) -> list[Judged]:
                 rows = column(scene, s, j, name, base(digits), digits)
                 if all(row.verdict in ("right", "kink named") for row in rows):
                     break
-            found += rows
-    if any(row.verdict == "said to be a kink" for row in found) and any(
+            results += rows
+    if any(row.verdict == "said to be a kink" for row in results) and any(
         "rounding" in (r or "") for r in s.reasons
     ):
         exact = sensitivities(scene.p, names, **start, digits=30)
-        for row in found:
+        for row in results:
             row.clear = row.event < len(exact.dt) and bool(
                 exact.regular[row.event, names.index(row.name)]
             )
-    wrong = [row for row in found if row.verdict == "wrong"]
+    wrong = [row for row in results if row.verdict == "wrong"]
     if wrong:
         rounded(scene, s, names, wrong)
-    return found
+    return results
 
 
 def rounded(scene: FuzzScene, s: Any, names: tuple[str, ...], rows: list[Judged]) -> None:
     """Set the errors that are allowed to those which relative errors of EPS in all numbers make, times ROUNDINGS."""
-    start = {each: getattr(scene, each) for each in ("t0", "x0", "v0")}
+    start = {name: getattr(scene, name) for name in ("t0", "x0", "v0")}
     dice = Random(1)
-    belt = next((each for each in ("v1", "v2") if getattr(scene.p, each) == scene.v0), "")
+    belt = next((name for name in ("v1", "v2") if getattr(scene.p, name) == scene.v0), "")
 
     def nearby(by: Fraction) -> Any:
         p = scene.p.replace(
@@ -270,10 +270,10 @@ def rounded(scene: FuzzScene, s: Any, names: tuple[str, ...], rows: list[Judged]
         scale = max(
             1.0, float(abs(exact.dt[: n + 1, j]).max()), float(abs(exact.dx[: n + 1, j]).max())
         )
-        near = [each for each in beside if n < len(each.dt)]  # the last event may be at t_end
+        near = [item for item in beside if n < len(item.dt)]  # the last event may be at t_end
         off = [
-            abs(getattr(each, axis)[n, j] - getattr(exact, axis)[n, j])
-            for each in near
+            abs(getattr(item, axis)[n, j] - getattr(exact, axis)[n, j])
+            for item in near
             for axis in ("dt", "dx")
         ]
         row.allowed = ROUNDINGS * float(max(off)) / scale
@@ -331,16 +331,16 @@ def test_an_independent_program_has_the_same_derivatives(name: str) -> None:
     one = load_scene("fig5")
     start = {"t0": one.t0, "x0": one.x0, "v0": one.v0}
     step = Fraction(1, 10**20)
-    found = sensitivities(one, (name,), t_end=9)
+    changes = sensitivities(one, (name,), t_end=9)
     runs = []
     for side in (1, -1):
         q, begin = changed(one.parameters, start, name, side * step)
         runs.append(simulate_oracle(q, begin["t0"], begin["x0"], begin["v0"], 9, 50))
     for i, (a, b) in enumerate(zip(runs[0].events, runs[1].events, strict=True)):
-        assert found.dt[i, 0] == pytest.approx(
+        assert changes.dt[i, 0] == pytest.approx(
             float((a.t - b.t) / (2 * step)), rel=1e-10, abs=1e-10
         )
-        assert found.dx[i, 0] == pytest.approx(
+        assert changes.dx[i, 0] == pytest.approx(
             float((a.x - b.x) / (2 * step)), rel=1e-10, abs=1e-10
         )
 
@@ -363,11 +363,11 @@ def test_many_digits() -> None:
 def test_a_graze_is_a_kink_and_says_its_side(name: str) -> None:
     """On the side where the touch opens the motion goes on without a contact, and has these derivatives."""
     one = load_scene(name)
-    found = sensitivities(one, ("A0", "FN", "t0"))
-    first = next(n for n, event in enumerate(found.trajectory.events) if event.kind == "graze")
-    assert not found.regular[first:, 0].any()
-    assert "after the graze at t = 3.14159" in str(found.reasons[first])
-    if "A0 larger" in str(found.reasons[first]):
+    changes = sensitivities(one, ("A0", "FN", "t0"))
+    first = next(n for n, event in enumerate(changes.trajectory.events) if event.kind == "graze")
+    assert not changes.regular[first:, 0].any()
+    assert "after the graze at t = 3.14159" in str(changes.reasons[first])
+    if "A0 larger" in str(changes.reasons[first]):
         side = 1
     else:
         side = -1
@@ -383,27 +383,29 @@ def test_a_graze_is_a_kink_and_says_its_side(name: str) -> None:
     assert "stick" not in [event.kind for event in moved.events[: first + 1]]
     still = simulate(one)
     slopes = (np.asarray(moved(times[:2])) - np.asarray(still(times[:2]))) / float(step)
-    np.testing.assert_allclose(found(times[:2])[:, :, 0], slopes, rtol=1e-3, atol=1e-3)
+    np.testing.assert_allclose(changes(times[:2])[:, :, 0], slopes, rtol=1e-3, atol=1e-3)
 
 
 def test_a_graze_that_stays_one_is_none() -> None:
     """Without damping and drive a mass that has slipped from a belt comes back to its speed in any case."""
     p = Parameters(m=1, c=0, k=4, A0=0, B0=0, Omega=1, v1=-3, v2=1, mu1="0.3", mu2="0.7", FN=2)
-    found = sensitivities(p, NAMES, x0=-2, v0=2, t_end=40)
-    grazes = [n for n, event in enumerate(found.trajectory.events) if event.kind == "graze"]
+    changes = sensitivities(p, NAMES, x0=-2, v0=2, t_end=40)
+    grazes = [n for n, event in enumerate(changes.trajectory.events) if event.kind == "graze"]
     assert len(grazes) > 8
     for n in grazes:
-        assert {name for name, there in zip(NAMES, found.regular[n], strict=True) if not there} <= {
+        assert {
+            name for name, there in zip(NAMES, changes.regular[n], strict=True) if not there
+        } <= {
             "c",
             "B0",
         }
 
 
 def test_a_start_on_a_belt_is_a_kink() -> None:
-    found = sensitivities("fig9", ("v0", "v1", "x0"))
-    assert found.regular[0].tolist() == [False, False, True]
-    assert "the start is on a belt: by v0, v1 on the flight's side" in str(found.reasons[0])
-    assert found.reasons[1] is None
+    changes = sensitivities("fig9", ("v0", "v1", "x0"))
+    assert changes.regular[0].tolist() == [False, False, True]
+    assert "the start is on a belt: by v0, v1 on the flight's side" in str(changes.reasons[0])
+    assert changes.reasons[1] is None
 
 
 @pytest.mark.parametrize("name", ["fig9", "fig10", "fig5"])
@@ -413,13 +415,15 @@ def test_exponents_of_a_settled_motion_are_those_of_its_orbit(name: str) -> None
     belt = orbit.equations().pieces[0].start
     p = orbit.parameters
     periods = 40
-    found = sensitivities(p, ("x0",), t0=t, x0=x, v0=p.belt(belt), t_end=t + periods * orbit.period)
+    changes = sensitivities(
+        p, ("x0",), t0=t, x0=x, v0=p.belt(belt), t_end=t + periods * orbit.period
+    )
     expected = orbit.lyapunov
-    assert found.lyapunov[0] == pytest.approx(expected[0], rel=0.05)
+    assert changes.lyapunov[0] == pytest.approx(expected[0], rel=0.05)
     if expected[1] == -np.inf:
-        assert found.lyapunov[1] == -np.inf
+        assert changes.lyapunov[1] == -np.inf
     else:
-        assert found.lyapunov.sum() == pytest.approx(expected.sum(), rel=0.05)
+        assert changes.lyapunov.sum() == pytest.approx(expected.sum(), rel=0.05)
 
 
 @pytest.mark.parametrize("beside", ["1e-14", "1e-8", "-1e-10", "0"])
@@ -470,11 +474,11 @@ def test_a_slow_drive_and_a_creeping_flight_keep_their_digits() -> None:
         start |= {"t_end": 60}
         doubles, exact = (sensitivities(p, NAMES, **start, digits=digits) for digits in (None, 40))
         assert len(doubles.dt) > 0
-        for found, known in (
+        for result, known in (
             (doubles.dt, exact.dt.astype(float)),
             (doubles.dx, exact.dx.astype(float)),
         ):
-            np.testing.assert_allclose(found, known, rtol=1e-9, atol=1e-12 * abs(known).max())
+            np.testing.assert_allclose(result, known, rtol=1e-9, atol=1e-12 * abs(known).max())
 
 
 @pytest.mark.parametrize("t0", [10**4, 10**6, 17903280000])
@@ -488,15 +492,15 @@ def test_positions_of_late_events_keep_their_digits(t0: int) -> None:
     known, _ = differences(
         p, {name: Fraction(value) for name, value in start.items()}, t0 + 40, "Omega"
     )
-    found = sensitivities(p, "Omega", **start, t_end=t0 + 40)
+    changes = sensitivities(p, "Omega", **start, t_end=t0 + 40)
     assert len(known) > 3
-    np.testing.assert_allclose(found.dx[:, 0], known[:, 1], rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(found.dt[:, 0], known[:, 0], rtol=1e-9)
+    np.testing.assert_allclose(changes.dx[:, 0], known[:, 1], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(changes.dt[:, 0], known[:, 0], rtol=1e-9)
 
 
 def test_exponents_are_those_of_more_digits() -> None:
     doubles, digits = (
-        sensitivities("fig5", "x0", t_end="60T", digits=each).lyapunov for each in (None, 30)
+        sensitivities("fig5", "x0", t_end="60T", digits=item).lyapunov for item in (None, 30)
     )
     np.testing.assert_allclose(doubles, digits, rtol=1e-10)
 
@@ -507,7 +511,7 @@ def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
     orbit = find_orbit(name)
     names = ("FN", "Omega", "k")
     h = 1e-6
-    found = orbit.sensitivities(names)
+    changes = orbit.sensitivities(names)
     for i, each in enumerate(names):
         value = float(getattr(orbit.parameters, each))
         beside = []
@@ -522,10 +526,12 @@ def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
             )
         quotients = (beside[0] - beside[1]) / (2 * h)
         n = len(orbit.points)
-        np.testing.assert_allclose(found.dt[:, i], quotients[:n].real, rtol=1e-6, atol=1e-6)
-        np.testing.assert_allclose(found.dx[:, i], quotients[n : 2 * n].real, rtol=1e-6, atol=1e-6)
+        np.testing.assert_allclose(changes.dt[:, i], quotients[:n].real, rtol=1e-6, atol=1e-6)
         np.testing.assert_allclose(
-            found.dmultipliers[:, i], quotients[2 * n :], rtol=1e-5, atol=1e-6
+            changes.dx[:, i], quotients[n : 2 * n].real, rtol=1e-6, atol=1e-6
+        )
+        np.testing.assert_allclose(
+            changes.dmultipliers[:, i], quotients[2 * n :], rtol=1e-5, atol=1e-6
         )
     (t, x) = orbit.points[0]
     belt = orbit.equations().pieces[0].start
@@ -533,8 +539,8 @@ def test_orbits_have_the_derivatives_of_branches_and_motions(name: str) -> None:
     moved = sensitivities(orbit.parameters, "FN", **start, t_end=t + 30.5 * orbit.period)
     there = t + 30 * orbit.period
     last = min(range(len(moved.dt)), key=lambda n: abs(float(moved.trajectory.events[n].t) - there))
-    assert moved.dt[last, 0] == pytest.approx(found.dt[0, 0], abs=1e-7)
-    assert moved.dx[last, 0] == pytest.approx(found.dx[0, 0], abs=1e-7)
+    assert moved.dt[last, 0] == pytest.approx(changes.dt[0, 0], abs=1e-7)
+    assert moved.dx[last, 0] == pytest.approx(changes.dx[0, 0], abs=1e-7)
 
 
 def test_ensembles_have_the_same_derivatives() -> None:

@@ -30,7 +30,7 @@ def test_a_failed_write_leaves_the_folder_as_it_was(
     with pytest.raises(OutputError if isinstance(error, OSError) else type(error)):
         write_whole(path, write)
     assert drafts[0].parent == tmp_path  # there was something to clean up
-    assert [each.name for each in tmp_path.iterdir()] == ([] if old is None else ["events.csv"])
+    assert [path.name for path in tmp_path.iterdir()] == ([] if old is None else ["events.csv"])
     assert old is None or path.read_text() == old
 
 
@@ -42,7 +42,7 @@ def test_a_whole_write_replaces_the_file_and_keeps_a_link(tmp_path: Path) -> Non
     assert write_text(link, "new") == link
     assert link.is_symlink()
     assert target.read_text() == "new"
-    assert sorted(each.name for each in tmp_path.iterdir()) == ["link.txt", "target.txt"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["link.txt", "target.txt"]
 
 
 @pytest.mark.parametrize("path", ["none/a.csv", ".", "file/a.csv", "n" * 300])
@@ -51,4 +51,4 @@ def test_what_cannot_be_written(path: str, tmp_path: Path, monkeypatch: pytest.M
     (tmp_path / "file").touch()
     with pytest.raises(OutputError):
         write_text(path, "text")
-    assert [each.name for each in tmp_path.iterdir()] == ["file"]
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]

@@ -122,8 +122,8 @@ def test_derivatives_are_differences(mapping: str, regime: str) -> None:
     # and by time: x' = v, v' = a, a' = b, b' = w; tau runs back
     before, after = (flights.instant(theta, tau + n * step) for n in (1, -1))
     for value, slope in (("dx", now.v), ("v", now.a), ("a", now.b), ("b", now.w)):
-        found = (getattr(after, value) - getattr(before, value)) / (2 * step)
-        assert abs(found - slope) < 1e-24 * (1 + abs(slope)), value
+        result = (getattr(after, value) - getattr(before, value)) / (2 * step)
+        assert abs(result - slope) < 1e-24 * (1 + abs(slope)), value
 
 
 FIG9 = load_scene("fig9").parameters.replace(v2="1.5")  # low enough for P6 to graze
@@ -156,7 +156,7 @@ def least_on(p: list[float], low: float, high: float) -> float:
     """Return the least value of a polynomial on an interval, from all zeros of its slope."""
     slope = np.polynomial.Polynomial(p).deriv()
     inner = [float(z.real) for z in slope.roots() if abs(z.imag) < 1e-9 and low < z.real < high]
-    return min(float(np.polynomial.Polynomial(p)(each)) for each in (low, high, *inner))
+    return min(float(np.polynomial.Polynomial(p)(item)) for item in (low, high, *inner))
 
 
 def drawn(rng: random.Random) -> list[float]:
@@ -171,12 +171,12 @@ def drawn(rng: random.Random) -> list[float]:
         curve = np.polynomial.Polynomial([bottom**2 + depth, -2 * bottom, 1.0])
         for _ in range(degree):
             curve = curve * np.polynomial.Polynomial([1.0, rng.uniform(-0.4, 0.4)])
-        found = curve.coef.tolist()
+        result = curve.coef.tolist()
     else:
-        found = [rng.uniform(0.1, 1), *(rng.uniform(-2, 2) for _ in range(rng.randint(1, 7)))]
-    if found[0] > 0:
-        return found
-    return [abs(found[0]), *found[1:]]
+        result = [rng.uniform(0.1, 1), *(rng.uniform(-2, 2) for _ in range(rng.randint(1, 7)))]
+    if result[0] > 0:
+        return result
+    return [abs(result[0]), *result[1:]]
 
 
 def test_what_is_said_holds_for_every_polynomial_within_the_noise() -> None:
@@ -228,11 +228,11 @@ def test_windows_curves_and_starts_are_the_same(units: Units, p: Parameters, map
     theta = np.linspace(*one.intervals[0][:2], 9)[1:-1]
     assert two.contact(theta) == pytest.approx(one.contact(theta) * L, rel=1e-12)
     assert Ways(two).slope(theta) == pytest.approx(Ways(one).slope(theta), rel=1e-12)
-    (a, *_), (b, *_) = (grazing_curve(each, mapping, 24).pieces for each in (p, q))
+    (a, *_), (b, *_) = (grazing_curve(item, mapping, 24).pieces for item in (p, q))
     assert b.theta_m == pytest.approx(a.theta_m, rel=1e-12)
     assert b.theta == pytest.approx(a.theta, rel=1e-9)
     assert b.x == pytest.approx(a.x * L, rel=1e-9)
     assert b.slope_x == pytest.approx(a.slope_x * L, rel=1e-6)
-    start, other = (grazing_start(each, mapping, float(theta[3])) for each in (p, q))
+    start, other = (grazing_start(item, mapping, float(theta[3])) for item in (p, q))
     assert other.x == pytest.approx(start.x * L, rel=1e-12)
     assert other.t == pytest.approx(start.t * float(units.time), rel=1e-12)

@@ -115,7 +115,7 @@ def test_a_shifted_window_is_found_out(monkeypatch: pytest.MonkeyPatch, size: in
     _replace_window(monkeypatch, shifted)
     report = check_grazing(load_scene("fig9").parameters, "P2", n=10)
     assert not report.ok
-    ways = {each["way"] for each in report.mismatches}
+    ways = {item["way"] for item in report.mismatches}
     assert {G_SIGNS, EXACT_FLOW} <= ways
     assert (DOP853 in ways) == (size < 13)
     assert "FAILED" in report.summary()
@@ -184,9 +184,9 @@ def test_a_wrong_row_of_the_table_is_found(
     for p in scenes:
         report = check_grazing(p, mapping, n=20)
         assert not report.ok, (what, report.summary())
-        assert any("definition" in each["way"] for each in report.mismatches)
+        assert any("definition" in item["way"] for item in report.mismatches)
         if what == "side":  # then each phase of an arc is wrong
-            assert any(each["way"] == EXACT_FLOW for each in report.mismatches)
+            assert any(item["way"] == EXACT_FLOW for item in report.mismatches)
 
 
 @pytest.mark.parametrize("mapping", MAPS)
@@ -233,7 +233,7 @@ def test_the_definition_of_a_map_is_what_motions_do(mapping: str) -> None:
     `check_grazing` takes domain, belt and side from this definition.
     """
     row = MAPS_BY_NAME[mapping]
-    found = set()
+    result = set()
     for name in scene_names():
         motion = simulate(name, max_events=60)
         for segment, event in zip(motion.segments, motion.events, strict=False):
@@ -243,5 +243,5 @@ def test_the_definition_of_a_map_is_what_motions_do(mapping: str) -> None:
                 below = motion(middle)[1] < speed
                 domain = 1 + (motion(middle)[1] > motion.parameters.v1)
                 domain += int(motion(middle)[1] > motion.parameters.v2)
-                found.add((int(domain), event.boundary, 1 if below else -1))
-    assert found == {(row.domain, row.end.boundary, row.side)}
+                result.add((int(domain), event.boundary, 1 if below else -1))
+    assert result == {(row.domain, row.end.boundary, row.side)}

@@ -66,17 +66,17 @@ def assert_end_is_located(p: Parameters, mapping: str, end: Any, inward: int, cu
 def test_solutions_with_one_unknown_given() -> None:
     p = load_scene("fig10").parameters
     known = grazing_start(p, "P6", 4)
-    given = {
+    arguments = {
         "theta_m": 4,
         "theta_j": 4,
         "x_j": known.x_m,
         "theta_i": known.theta,
         "x_i": known.start["x0"],
     }
-    for name, value in given.items():
-        found = solve_grazing(p, "P6", n=100, **{name: value})
+    for name, value in arguments.items():
+        solutions = solve_grazing(p, "P6", n=100, **{name: value})
         assert any(
-            abs(start.theta_m - 4) < 1e-9 and abs(start.x - known.x) < 1e-9 for start in found
+            abs(start.theta_m - 4) < 1e-9 and abs(start.x - known.x) < 1e-9 for start in solutions
         ), name
     # a start of the same x that grazes at another phase: the curve has an extremum of x
     others = solve_grazing(p, "P6", n=100, x_i=known.start["x0"])
@@ -103,7 +103,7 @@ class MadeUp:
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
         self.asked += 1
-        _, origin, shift = [each for each in self.stretches if each[0] <= theta_m][-1]
+        _, origin, shift = [item for item in self.stretches if item[0] <= theta_m][-1]
         if origin not in (OWN, OTHER):
             return Sample(theta_m, 0.0, origin, nan, nan, nan, nan)
         return Sample(
@@ -149,16 +149,16 @@ def test_a_curve_is_cut_where_the_flow_comes_from_elsewhere_and_where_it_jumps(
         for cut, origin, shift in zip(cuts, origins[1:], shifts[1:], strict=True):
             if origin == OWN or origin != due[-1][1]:
                 due.append([cut, origin, shift])
-        ends = [*(each[0] for each in due[1:]), high]
+        ends = [*(item[0] for item in due[1:]), high]
         if closed and len(due) > 1 and due[0][1] == due[-1][1]:
             spans = [
-                *zip((each[0] for each in due[1:-1]), ends[1:-1], strict=True),
+                *zip((item[0] for item in due[1:-1]), ends[1:-1], strict=True),
                 (due[-1][0], ends[0] + 2 * pi),
             ]
-            kinds = [*(each[1] for each in due[1:-1]), due[0][1]]
+            kinds = [*(item[1] for item in due[1:-1]), due[0][1]]
         else:
-            spans = list(zip((each[0] for each in due), ends, strict=True))
-            kinds = [each[1] for each in due]
+            spans = list(zip((item[0] for item in due), ends, strict=True))
+            kinds = [item[1] for item in due]
         assert [run.origin for run in runs] == kinds
         for run, span in zip(runs, spans, strict=True):
             assert (

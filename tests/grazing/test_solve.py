@@ -125,11 +125,11 @@ def check_random_queries(rng: random.Random, regime: str, times: int) -> None:
         else:
             name = "theta_i"
         value = Fraction(str(known.x if name == "x_i" else known.theta))
-        found = solve_grazing(p, mapping, n=40, **{name: value})
-        for start in found:
+        solutions = solve_grazing(p, mapping, n=40, **{name: value})
+        for start in solutions:
             assert_value(p, start, name, value)
-        again = [start for start in found if abs(sin((start.theta_m - theta) / 2)) < 1e-6]
-        assert again or not found.complete, (p, theta, name, found.message)
+        again = [start for start in solutions if abs(sin((start.theta_m - theta) / 2)) < 1e-6]
+        assert again or not solutions.complete, (p, theta, name, solutions.message)
         for start in again[:1]:
             assert_grazes(p, start)
             solved += 1
@@ -139,13 +139,13 @@ def check_random_queries(rng: random.Random, regime: str, times: int) -> None:
 def test_solutions_that_gather_at_the_end_of_a_curve() -> None:
     """The curve runs to minus infinity: theta_i repeats for ever, and what is left out is said."""
     value = Fraction("5.974415351155259")
-    found = solve_grazing(OVER, "P2", theta_i=str(value))
-    assert len(found) >= 3
-    for start in found:
+    solutions = solve_grazing(OVER, "P2", theta_i=str(value))
+    assert len(solutions) >= 3
+    for start in solutions:
         assert_value(OVER, start, "theta_i", value)
         assert_grazes(OVER, start)
-    assert not found.complete
-    assert "goes on for ever" in found.message
+    assert not solutions.complete
+    assert "goes on for ever" in solutions.message
 
 
 @pytest.mark.slow
@@ -162,10 +162,10 @@ def test_hard_queries_are_answered_soon(
     p: Parameters, mapping: str, given: dict[str, Any], least: int
 ) -> None:
     with at_most(3_000_000):
-        found = solve_grazing(p, mapping, **given)
-    assert len(found) >= least
+        solutions = solve_grazing(p, mapping, **given)
+    assert len(solutions) >= least
     name, value = next((name, Fraction(value)) for name, value in given.items() if name != "n")
-    for start in found:
+    for start in solutions:
         assert_value(p, start, name, value)
 
 
@@ -236,9 +236,9 @@ def test_what_was_not_searched_is_said() -> None:
         m="2.7", c="5.93999999406", k="3.267", A0="-2.587", B0="-1.78", Omega="1.178", v1="-1.419", v2="-0.945",
         mu1="0.399", mu2="0.118", FN="7.979",
     )  # fmt: skip
-    found = solve_grazing(p, "P6", x_i="2.59", n=20)
-    assert (found, found.complete) == ([], False)
-    assert "longer than the search" in found.message
+    solutions = solve_grazing(p, "P6", x_i="2.59", n=20)
+    assert (solutions, solutions.complete) == ([], False)
+    assert "longer than the search" in solutions.message
 
 
 def test_the_work_is_bounded() -> None:

@@ -27,8 +27,8 @@ BASE = Parameters(
 )
 def test_starts_of_the_papers_grazing_figures(scene: str, mapping: str, theta: Any) -> None:
     expected = load_scene(scene)
-    for given in ({"t_m": sympy.pi}, {"t_m": "pi"}, {"theta": theta}):
-        start = grazing_start(expected.parameters, mapping, **given, t0="2.5", digits=50)
+    for arguments in ({"t_m": sympy.pi}, {"t_m": "pi"}, {"theta": theta}):
+        start = grazing_start(expected.parameters, mapping, **arguments, t0="2.5", digits=50)
         assert start.found
         assert abs(Fraction(start.start["x0"]) - expected.x0) < Fraction(1, 10**40)
         assert abs(Fraction(start.start["v0"]) - expected.v0) < Fraction(1, 10**40)

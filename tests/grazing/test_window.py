@@ -43,13 +43,13 @@ def forces(p: Parameters, mapping: str, theta: Any) -> list[Any]:
     )
     before = mp.mpf(v.numerator) / v.denominator
     now = mp.mpf(0)
-    found = []
+    results = []
     for order in range(1, 5):
         # (d/dt)^order of B0 cos(Omega t) is B0 Omega^order cos(theta + order pi/2)
         drive = B0 * Omega**order * mp.cos(theta + order * mp.pi / 2)
         before, now = now, (drive - c * now - k * before) / m
-        found.append(now)
-    return found
+        results.append(now)
+    return results
 
 
 def grazes(p: Parameters, mapping: str, theta: Any, order: str) -> bool:
@@ -98,14 +98,14 @@ def test_500_random_parameter_sets_agree_with_the_signs_of_50_digits(count: int)
                 for _ in range(6)
             ]
             tried = (near + close + phases)[:count]
-            found = window.contains(np.array(tried))
+            contained = window.contains(np.array(tried))
             v = p.belt(window.place.boundary)
             level, swing = (mp.mpf(x.numerator) / x.denominator for x in (p.k * v, p.B0 * p.Omega))
             if mapping in ("P2", "P5"):
                 side = 1
             else:
                 side = -1
-            for theta, inside in zip(tried, found, strict=True):
+            for theta, inside in zip(tried, contained, strict=True):
                 sign = side * (level + swing * sine(theta))
                 assert abs(sign) > mp.mpf(10) ** -45 or p.B0 == 0 or theta == 0, (
                     "not decided by 50 digits"
@@ -232,7 +232,7 @@ def test_arrays() -> None:
     inside = grazing_window(FIG9, "P3").contains(theta)
     assert inside.dtype == bool
     assert (
-        inside == [[grazing_window(FIG9, "P3").contains(each) for each in row] for row in theta]
+        inside == [[grazing_window(FIG9, "P3").contains(item) for item in row] for row in theta]
     ).all()
     assert 0.4 < inside.mean() < 0.55
 
@@ -307,11 +307,11 @@ def test_sweep_ends_are_within_one_unit_in_the_last_place(mapping: str) -> None:
     else:
         name = "v2"
     p = FIG9.replace(v1=-100, v2=100)
-    found = grazing_windows(p, mapping, k=k, B0=B0, Omega=Omega, **{name: v})
+    windows = grazing_windows(p, mapping, k=k, B0=B0, Omega=Omega, **{name: v})
     worst = 0.0
     arcs = 0
     for i in range(n):
-        if found.kind[i] not in (ARC, WRAPPED_ARC):
+        if windows.kind[i] not in (ARC, WRAPPED_ARC):
             continue
         level = Fraction(k[i]) * Fraction(v[i])
         swing = Fraction(B0[i]) * Fraction(Omega[i])
@@ -319,7 +319,10 @@ def test_sweep_ends_are_within_one_unit_in_the_last_place(mapping: str) -> None:
         worst = max(
             [
                 worst,
-                *(ulps(float(x), ends) for x in (found.low[i], found.high[i], found.theta_cr[i])),
+                *(
+                    ulps(float(x), ends)
+                    for x in (windows.low[i], windows.high[i], windows.theta_cr[i])
+                ),
             ]
         )
         arcs += 1
@@ -336,13 +339,13 @@ def test_sweeps_agree_with_single_windows(mapping: str, order: str) -> None:
         name = rng.choice(["k", "B0", "Omega"])
         values = [float(abs(getattr(p, name)))] + [rng.uniform(0.1, 9) for _ in range(6)]
         values = [value if value > 0 else 1.0 for value in values]
-        found = grazing_windows(p, mapping, order, **{name: values})
+        windows = grazing_windows(p, mapping, order, **{name: values})
         for i, value in enumerate(values):
             single = grazing_window(p.replace(**{name: Fraction(value)}), mapping, order)
-            assert found.kind[i] == single.kind
+            assert windows.kind[i] == single.kind
             if single.kind in (ARC, WRAPPED_ARC, ALL_BUT_ONE):
-                assert abs(found.low[i] - single.ends[0]) <= math.ulp(single.ends[0])
-                assert abs(found.high[i] - single.ends[1]) <= math.ulp(single.ends[1])
+                assert abs(windows.low[i] - single.ends[0]) <= math.ulp(single.ends[0])
+                assert abs(windows.high[i] - single.ends[1]) <= math.ulp(single.ends[1])
 
 
 def test_sweep_decides_equality_exactly_with_fractions() -> None:

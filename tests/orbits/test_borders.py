@@ -35,8 +35,8 @@ MAPS |= {(2, "Omega2", 2): "5", (2, "Omega3", 2): "6", (2, "Omega2", 1): "7", (1
 
 def named(borders: list[Border], *words: str) -> Border:
     """Return the only border between these words."""
-    (found,) = [border for border in borders if set(border.words) == set(words)]
-    return found
+    (result,) = [border for border in borders if set(border.words) == set(words)]
+    return result
 
 
 @cache
@@ -149,8 +149,8 @@ def test_the_borders_that_leave_points_of_codimension_two() -> None:
 @pytest.mark.slow
 def test_a_slip_in_a_stick_and_a_graze_meet_in_a_cubic_tangency() -> None:
     high, low = (COULOMB.replace(Omega="0.3", FN=FN) for FN in ("0.2", "0.02"))
-    found = borders_between(high, low, ("Omega", "FN"), PLANE, step="0.04")
-    add, graze = (border for border in found if set(border.words) == {"P3121", "P31312121"})
+    borders = borders_between(high, low, ("Omega", "FN"), PLANE, step="0.04")
+    add, graze = (border for border in borders if set(border.words) == {"P3121", "P31312121"})
     assert {add.sliding, graze.sliding} == {"adding-sliding", "grazing-sliding"}
     for border in (add, graze):
         point = border.special[-1]
@@ -190,14 +190,14 @@ def random_border(seed: int) -> tuple[Branch, Border] | None:
     """Return a border at an end of a random branch over random parameters of two belts, None if there is none."""
     rng = random.Random(seed)
     v1 = round(rng.uniform(-1, 1), 2)
-    given = {
+    arguments = {
         name: round(rng.uniform(*limits), 2)
         for name, limits in {"A0": (-1, 1), "B0": (0.5, 4)}.items()
     }
-    given |= {name: round(rng.uniform(0.1, 1), 2) for name in ("c", "mu1", "mu2")}
+    arguments |= {name: round(rng.uniform(0.1, 1), 2) for name in ("c", "mu1", "mu2")}
     for name, low in (("k", 0.5), ("Omega", 0.4), ("FN", 0.2)):
-        given[name] = round(rng.uniform(low, 2), 2)
-    p = Parameters(m=1, v1=v1, v2=v1 + rng.choice([0.5, 1, 2, 5]), **given)
+        arguments[name] = round(rng.uniform(low, 2), 2)
+    p = Parameters(m=1, v1=v1, v2=v1 + rng.choice([0.5, 1, 2, 5]), **arguments)
     names = rng.choice(FAMILIES)
     ranges = {}
     for name in names:
@@ -225,11 +225,11 @@ def test_the_ode_changes_its_word_at_random_borders(count: int) -> None:
     seed = done = 0
     while done < count:
         seed += 1
-        found = random_border(seed)
-        if found is None:
+        drawn = random_border(seed)
+        if drawn is None:
             continue
         done += 1
-        branch, border = found
+        branch, border = drawn
         assert border.words[0] == cycle(branch.word), seed
         i = len(border) // 3
         assert border.words_beside(i, "1e-5") == border.words, seed

@@ -112,11 +112,11 @@ NEIGHBOURS = {
 )
 def two_sides(request):
     """Return the two ends at one bifurcation, and how they were asked for."""
-    found = []
+    results = []
     for row in NEIGHBOURS[request.param]:
         branch = branch_of(*row[:4])
-        found.append((branch, branch.ends[row[4]], row))
-    return found
+        results.append((branch, branch.ends[row[4]], row))
+    return results
 
 
 @pytest.mark.slow
@@ -196,11 +196,11 @@ def test_without_damping_no_multiplier_exceeds_1(low: str, high: str) -> None:
 def test_points_of_a_branch_are_orbits():
     branch = branch_of(FIG9, "P32", "Omega", ("3.9", "4.2"))
     for i in range(1, len(branch.values), 7):
-        found = find_orbit(branch.parameters(i), "P32")  # from scratch
-        assert found.admissible
-        np.testing.assert_allclose(np.array(found.points), branch.points[i], atol=1e-11)
+        orbit = find_orbit(branch.parameters(i), "P32")  # from scratch
+        assert orbit.admissible
+        np.testing.assert_allclose(np.array(orbit.points), branch.points[i], atol=1e-11)
         np.testing.assert_allclose(
-            np.abs(found.multipliers), np.abs(branch.multipliers[i]), atol=1e-9
+            np.abs(orbit.multipliers), np.abs(branch.multipliers[i]), atol=1e-9
         )
     assert branch.orbit(3, digits=25).residual < 1e-30
 
@@ -336,11 +336,11 @@ def test_what_is_just_behind_an_end(seed):
             if end.kind == "end of the range":
                 continue
             assert all(abs(c.value) < 1e-8 * c.scale for c in end.conditions), end
-            found = word_just_behind(branch, which, 1e-7 * abs(branch.values).max())
-            if end.beyond is None or found is None:
+            word = word_just_behind(branch, which, 1e-7 * abs(branch.values).max())
+            if end.beyond is None or word is None:
                 continue
             judged += 1
-            assert "".join(sorted(end.beyond[1:])) == found, (branch, end)
+            assert "".join(sorted(end.beyond[1:])) == word, (branch, end)
 
 
 @pytest.mark.campaign
@@ -432,10 +432,10 @@ def test_functions_of_a_flight_are_its_gaps_without_their_known_roots(
         flights += 1
         start = equations.start_of_flight(piece, tuple(points[i]))
         tau = (equations.ends(points)[i][1] - points[i][1]) / equations.K.Om
-        found = branches.piece_margins(equations, points, i, u)
+        margins = branches.piece_margins(equations, points, i, u)
         belts = [belt for belt in (piece.mode - 1, piece.mode) if belt in (1, 2)]
-        assert len(found) == len(belts)
-        for belt, values in zip(belts, found, strict=True):
+        assert len(margins) == len(belts)
+        for belt, values in zip(belts, margins, strict=True):
             if belt != piece.start:
                 roots = 0
             elif piece.after_stick:

@@ -93,8 +93,10 @@ def test_guesses_in_every_form() -> None:
     rng = random.Random(1)
     for convert in (float, np.float64, mpmath.mpf, lambda value: round(value, rng.randint(4, 9))):
         guess = [[convert(t0), convert(x0)], [convert(t1), convert(x1)]]
-        for given in (guess, tuple(map(tuple, guess)), np.array(guess)):
-            assert np.allclose(np.array(find_orbit(P, "P32", given).points), np.array(ORBIT.points))
+        for arguments in (guess, tuple(map(tuple, guess)), np.array(guess)):
+            assert np.allclose(
+                np.array(find_orbit(P, "P32", arguments).points), np.array(ORBIT.points)
+            )
 
 
 def test_periods_follow_from_the_guess() -> None:

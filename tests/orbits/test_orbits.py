@@ -106,11 +106,11 @@ def test_a_search_that_fails_returns_its_best_points_with_their_residual() -> No
     for _ in range(25):
         guess = np.column_stack([rng.uniform(-6, 6, 4), np.sort(rng.uniform(0, 6.2, 4))])
         with np.errstate(all="ignore"):
-            found = newton(equations, guess)
-            if not found.converged:
-                reasons.add(found.reason)
-                assert found.residual == pytest.approx(
-                    np.abs(equations.residuals(found.points)).max()
+            solution = newton(equations, guess)
+            if not solution.converged:
+                reasons.add(solution.reason)
+                assert solution.residual == pytest.approx(
+                    np.abs(equations.residuals(solution.points)).max()
                 )
     assert "not converged after 60 steps" in reasons
 

@@ -230,9 +230,9 @@ def test_margins_are_those_of_the_equation_of_motion(word: str) -> None:
     turned = 0
     for _ in range(6):
         p, equations, points = drawn(rng, word)
-        found = conditions(equations, points)
+        tested = conditions(equations, points)
         for i, piece in enumerate(equations.pieces):
-            mine = [c for c in found if c.piece == i]
+            mine = [c for c in tested if c.piece == i]
             values, nearest = (stick_margins if piece.sticks else flight_margins)(
                 p, equations, i, points
             )
@@ -386,8 +386,8 @@ def test_other_systems_with_a_belt_at_rest(seed):
 def test_admissible_orbits_close(seed):
     """What random systems do, solved for: each is an orbit, stable, and closes."""
     rng = random.Random(f"closing {seed}")
-    found = 0
-    while found < 4:
+    result = 0
+    while result < 4:
         p = FIG10.replace(
             Omega=f"{rng.uniform(0.7, 4):.4g}", c=rng.choice(["0.2", "1.5", "4"]), v1=f"{rng.uniform(-5, 0.5):.3g}",
             v2=f"{rng.uniform(0.6, 8):.3g}", FN=f"{rng.uniform(0.5, 12):.3g}", m=f"{rng.uniform(0.1, 1):.3g}",
@@ -401,7 +401,7 @@ def test_admissible_orbits_close(seed):
             continue
         assert orbit.admissible == (not orbit.failures)
         if orbit.admissible:
-            found += 1
+            result += 1
             assert orbit.stable is True
             assert closes(orbit), p
 
@@ -487,13 +487,13 @@ ORBITS = [
 def test_an_orbit_is_found_in_any_units(units: Units) -> None:
     """Without a guess, to nearly all digits, with all that is said of it."""
     for p, word, orbit in ORBITS[:2]:
-        found = find_orbit(units.of(p), word)
-        assert (found.admissible, found.stable) == (True, True)
-        assert found.multipliers == pytest.approx(orbit.multipliers, rel=1e-9, abs=1e-12)
-        assert found.grazing_distance == pytest.approx(
+        result = find_orbit(units.of(p), word)
+        assert (result.admissible, result.stable) == (True, True)
+        assert result.multipliers == pytest.approx(orbit.multipliers, rel=1e-9, abs=1e-12)
+        assert result.grazing_distance == pytest.approx(
             orbit.grazing_distance * units.speed, rel=1e-9
         )
-        for (t, x), (t_found, x_found) in zip(orbit.points, found.points, strict=True):
+        for (t, x), (t_found, x_found) in zip(orbit.points, result.points, strict=True):
             assert (t_found, x_found) == pytest.approx(
                 (t * float(units.time), x * float(units.length)), rel=1e-10
             )

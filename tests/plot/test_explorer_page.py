@@ -23,8 +23,8 @@ pytestmark = pytest.mark.slow
 def browser() -> Iterator[Any]:
     from browsing import chromium
 
-    with chromium() as found:
-        yield found
+    with chromium() as result:
+        yield result
 
 
 # -- the page ---------------------------------------------------------------------------------------------------------
@@ -78,7 +78,7 @@ def eventually(page: Any, holds: Callable[[], bool]) -> None:
 
 
 def word_in(page: Any) -> list[str]:
-    return [each for each in page.locator("#word span").all_text_contents() if each.startswith("P")]
+    return [item for item in page.locator("#word span").all_text_contents() if item.startswith("P")]
 
 
 def agrees(page: Any, scene: Scene) -> bool:

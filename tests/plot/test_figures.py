@@ -150,20 +150,20 @@ def test_other_suffixes_and_unwritable_paths_leave_nothing(tmp_path: Path) -> No
 def random_motions(count: int) -> list[Trajectory]:
     """Return motions of random oscillators with events at both belts."""
     rng = random.Random(14)
-    found: list[Trajectory] = []
-    while len(found) < count:
+    results: list[Trajectory] = []
+    while len(results) < count:
         p, start = ordinary(rng)
         motion = simulate(p, **start, max_events=100)
         if {event.boundary for event in motion.events} == {1, 2}:
-            found.append(motion)
-    return found
+            results.append(motion)
+    return results
 
 
 def marks(ax: Axes) -> dict[str, np.ndarray]:
     """Return the places of all marks by label."""
     drawn = [line for line in ax.lines if line.get_marker() != "None"]
-    found = {str(line.get_label()): np.column_stack(line.get_data()) for line in drawn}
-    return {label: places for label, places in found.items() if label in SHAPES}
+    result = {str(line.get_label()): np.column_stack(line.get_data()) for line in drawn}
+    return {label: places for label, places in result.items() if label in SHAPES}
 
 
 @pytest.mark.parametrize("number", range(3))
@@ -205,9 +205,9 @@ def test_the_product_of_the_forces_decides() -> None:
             inside = (float(segment.t_start) < t) & (t < float(segment.t_end))
             if segment.mode == f"belt{boundary}":
                 assert (values[inside] < 1e-9 * scale).all()
-        found = marks(ax)
-        assert (found.get("crossing", np.ones((1, 2)))[:, 1] > -1e-9 * scale).all()
-        for time, value in found.get("end of stick", np.empty((0, 2))):
+        result = marks(ax)
+        assert (result.get("crossing", np.ones((1, 2)))[:, 1] > -1e-9 * scale).all()
+        for time, value in result.get("end of stick", np.empty((0, 2))):
             assert value == pytest.approx(0, abs=1e-9 * scale), time
 
 
@@ -272,9 +272,9 @@ def test_sticks_are_shaded_and_jumps_of_force_joined() -> None:
     joined = 0
     for motion, boundary in product(random_motions(3), (1, 2)):
         (ax,) = plot.figure(motion, panels="d", boundary=boundary).axes
-        sticks = [each for each in motion.segments if each.mode == f"belt{boundary}"]
+        sticks = [item for item in motion.segments if item.mode == f"belt{boundary}"]
         shaded = sorted((patch.get_x(), patch.get_width()) for patch in ax.patches)  # type: ignore[attr-defined]
-        spans = [(float(each.t_start), float(each.t_end - each.t_start)) for each in sticks]
+        spans = [(float(item.t_start), float(item.t_end - item.t_start)) for item in sticks]
         assert np.array(shaded) == pytest.approx(np.array(spans), abs=1e-12)
         crossings = [
             float(e.t) for e in motion.events if (e.kind, e.boundary) == ("cross", boundary)

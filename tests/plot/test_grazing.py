@@ -139,8 +139,8 @@ def random_region(rng: random.Random) -> Any:
 
 def areas(ax: Axes) -> dict[bool, QuadContourSet]:
     """Return the shaded and the hatched area: by whether it is hatched."""
-    sets = [each for each in ax.collections if isinstance(each, QuadContourSet) and each.filled]
-    return {each.hatches != [None]: each for each in sets}
+    sets = [item for item in ax.collections if isinstance(item, QuadContourSet) and item.filled]
+    return {item.hatches != [None]: item for item in sets}
 
 
 def covers(area: QuadContourSet | None, point: tuple[float, float]) -> bool:
@@ -171,7 +171,7 @@ def test_what_is_shaded_is_the_region(seed: int) -> None:
             near = [
                 (point[0] + i * step[0], point[1] + j * step[1]) for i in (-2, 2) for j in (-2, 2)
             ]
-            told = {inside(region, each) for each in (point, *near)}
+            told = {inside(region, item) for item in (point, *near)}
             if len(told) > 1:
                 continue
             (expected,) = told
@@ -221,13 +221,13 @@ def test_the_border_is_full_where_it_belongs_to_the_region(
 def borders(ax: Axes) -> dict[bool, list[Any]]:
     """Return the pieces of the border that are drawn full (True) and broken (False)."""
     lines = [
-        each for each in ax.collections if isinstance(each, QuadContourSet) and not each.filled
+        item for item in ax.collections if isinstance(item, QuadContourSet) and not item.filled
     ]
-    found: dict[bool, list[Any]] = {True: [], False: []}
-    for each in lines:
-        ((_, dashes),) = each.get_linestyle()
-        found[dashes is None] += [piece for piece in each.allsegs[0] if len(piece)]
-    return found
+    result: dict[bool, list[Any]] = {True: [], False: []}
+    for item in lines:
+        ((_, dashes),) = item.get_linestyle()
+        result[dashes is None] += [piece for piece in item.allsegs[0] if len(piece)]
+    return result
 
 
 def test_bad_ranges() -> None:

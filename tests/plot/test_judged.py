@@ -18,6 +18,6 @@ def test_multipliers_between_the_orbits_are_those_of_orbits_there() -> None:
     assert len(values) > 8 * len(branch.values)
     for i in np.random.default_rng(2).choice(len(values), 8, replace=False):
         orbit = find_orbit(FIG9.replace(Omega=float(values[i])), "P32")
-        exact = sorted((abs(each) for each in orbit.multipliers), reverse=True)
+        exact = sorted((abs(item) for item in orbit.multipliers), reverse=True)
         assert sizes[i] == pytest.approx(exact, abs=2e-3)
     assert sizes[0] == pytest.approx(np.sort(np.abs(branch.multipliers[0]))[::-1], abs=1e-9)

@@ -15,7 +15,7 @@ PEAK = OtherModel(m=1, k=1, c="0.05", FN="0.2", Y=1, Omega=1)
 
 
 def texts(axes: Axes) -> str:
-    return " ".join(each.get_text() for each in axes.texts)
+    return " ".join(item.get_text() for item in axes.texts)
 
 
 def response(found: dict[str, np.ndarray], count: int = 60) -> FrequencyResponse:
@@ -35,10 +35,10 @@ def response(found: dict[str, np.ndarray], count: int = 60) -> FrequencyResponse
 
 def test_a_finite_peak_is_not_cut_off() -> None:
     """Of a list that had it cut off: 14.68 of an axis that ended at 12.77."""
-    found = frequency_response(PEAK, {"Omega": "0.9:1.1:21"})
-    assert found.amplitude.max() == pytest.approx(14.93, abs=0.3)
+    response = frequency_response(PEAK, {"Omega": "0.9:1.1:21"})
+    assert response.amplitude.max() == pytest.approx(14.93, abs=0.3)
     wide = frequency_response(PEAK, {"Omega": [*np.linspace(0.5, 2, 41), 1.0]})
-    for answer in (found, wide):
+    for answer in (response, wide):
         drawing = answer.plot("abd")
         for axes in drawing.axes:
             top = axes.get_ylim()[1]
@@ -57,12 +57,12 @@ def test_random_peaks_are_shown_whole(seed: int) -> None:
 
 
 def test_only_a_true_resonance_is_cut_off_and_the_figure_says_so() -> None:
-    found = frequency_response(PEAK.replace(c=0), {"Omega": "0.5:1.5:101"})
-    assert np.isinf(found.balance).sum() == 1
-    for axes in found.plot("ab").axes:
+    result = frequency_response(PEAK.replace(c=0), {"Omega": "0.5:1.5:101"})
+    assert np.isinf(result.balance).sum() == 1
+    for axes in result.plot("ab").axes:
         assert "infinite at $\\Omega$ = 1" in texts(axes)
         assert "higher values cut off" in texts(axes)
-        assert axes.get_ylim()[1] < np.nanmax(found.amplitude)
+        assert axes.get_ylim()[1] < np.nanmax(result.amplitude)
     # what fits is not said to be cut off
     low = response({"balance": np.where(np.arange(60) == 30, np.inf, 1.0)})
     (axes,) = low.plot("a").axes

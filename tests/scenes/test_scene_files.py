@@ -42,7 +42,7 @@ def scene(tmp_path: Path, **numbers: str) -> Scene:
 
 def line(name: str) -> int:
     return 1 + TEXT.splitlines().index(
-        next(each for each in TEXT.splitlines() if each.startswith(f"{name} = "))
+        next(item for item in TEXT.splitlines() if item.startswith(f"{name} = "))
     )
 
 
@@ -57,9 +57,9 @@ def test_a_commented_scene_is_the_scene(name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("a." * 20_000 + "a = 1", "line 1: has more than 200 dots"),
-        ("[start]\n['" + "'.'".join("a" * 500) + "']", "line 2: has more than 200 dots"),
-        ("#" * 200_000, "has more than 100000 characters"),
+        ("a." * 20_000 + "a = 1", "line 1: a line has at most 200 dots"),
+        ("[start]\n['" + "'.'".join("a" * 500) + "']", "line 2: a line has at most 200 dots"),
+        ("#" * 200_000, "a scene has at most 100000 characters"),
         ("x = " + "[" * 50_000, "nested too deeply"),
         ("t_end = 1e" + "9" * 30, "is not valid TOML"),
         ("k" * 90_000 + " = 1", "is unknown"),
@@ -79,26 +79,27 @@ def test_hostile_files_are_refused_in_a_line_before_they_cost_much(
 
 
 def test_expressions_are_noted_and_their_starts_have_an_error(tmp_path: Path) -> None:
-    found = scene(tmp_path, x0='"pi/6"', Omega='"2*pi"', t0='"1/3 + 1/3"')
-    assert found.t0 == Fraction(2, 3)
-    assert abs(found.x0 - PI / 6) < Fraction(1, 10**39)
-    assert abs(found.parameters.Omega - 2 * PI) < Fraction(1, 10**38)
-    assert found.start_error == (0, half_unit(found.x0), 0)
-    assert [note.partition(":")[0] for note in found.notes] == ["x0 = pi/6", "Omega = 2*pi"] or len(
-        found.notes
-    ) == 2
-    assert "40 digits, 0.5235987755982988730771" in " ".join(found.notes)
+    scene_read = scene(tmp_path, x0='"pi/6"', Omega='"2*pi"', t0='"1/3 + 1/3"')
+    assert scene_read.t0 == Fraction(2, 3)
+    assert abs(scene_read.x0 - PI / 6) < Fraction(1, 10**39)
+    assert abs(scene_read.parameters.Omega - 2 * PI) < Fraction(1, 10**38)
+    assert scene_read.start_error == (0, half_unit(scene_read.x0), 0)
+    assert [note.partition(":")[0] for note in scene_read.notes] == [
+        "x0 = pi/6",
+        "Omega = 2*pi",
+    ] or len(scene_read.notes) == 2
+    assert "40 digits, 0.5235987755982988730771" in " ".join(scene_read.notes)
     assert scene(tmp_path, x0='"pi/6"').notes != load_scene("fig9").notes == ()
     assert scene(tmp_path, x0="0.5").start_error is None
-    plain = simulate(found.parameters, t0="2/3", x0=float(PI / 6), v0=1, t_end=3)
-    assert simulate(found, t_end=3).word == plain.word
+    plain = simulate(scene_read.parameters, t0="2/3", x0=float(PI / 6), v0=1, t_end=3)
+    assert simulate(scene_read, t_end=3).word == plain.word
 
 
 def test_a_start_on_a_belt_stays_on_it(tmp_path: Path) -> None:
-    found = scene(tmp_path, v1='"pi"', v0='"pi"', FN="500")
-    assert found.v0 == found.parameters.v1
-    assert found.start_error is None
-    assert simulate(found, t_end=1).segments[0].mode == "belt1"
+    scene_read = scene(tmp_path, v1='"pi"', v0='"pi"', FN="500")
+    assert scene_read.v0 == scene_read.parameters.v1
+    assert scene_read.start_error is None
+    assert simulate(scene_read, t_end=1).segments[0].mode == "belt1"
 
 
 # --- lines ---
@@ -166,8 +167,8 @@ def pieces(text: str) -> list[str]:
 
     The exponents of powers stay whole numbers of Python.
     """
-    found = re.findall(r"(?:\*\*|\^)\d+|\d+\.?\d*(?:e-?\d+)?|[^\d]+?(?=\d|$)|\D", text)
-    return [part for part in found if part]
+    parts = re.findall(r"(?:\*\*|\^)\d+|\d+\.?\d*(?:e-?\d+)?|[^\d]+?(?=\d|$)|\D", text)
+    return [part for part in parts if part]
 
 
 @pytest.mark.parametrize(

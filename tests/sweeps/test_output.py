@@ -51,7 +51,7 @@ def test_what_is_written_is_read_back_to_the_last_bit(
         assert (
             columns[name].tobytes() == values.values.reshape(cells, *values.shape[2:]).tobytes()
         ), name
-    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    assert [path.name for path in tmp_path.iterdir()] == [path.name]
 
 
 @pytest.mark.parametrize(("suffix", "engine"), [(".nc", "h5netcdf"), (".zarr", "zarr")])
@@ -59,11 +59,11 @@ def test_xarray_reads_it_without_symosc(suffix: str, engine: str, tmp_path: Path
     dataset = example(3)
     path = tmp_path / f"map{suffix}"
     output.write_output(dataset, path, tmp_path)
-    with xarray.open_dataset(path, engine=engine) as found:
-        assert {name: found.attrs[name] for name in dataset.attrs} == dataset.attrs
-        assert found.FN.attrs == dataset.FN.attrs
-        assert found.word.values.tolist() == dataset.word.values.tolist()
-        np.testing.assert_array_equal(found.section.values, dataset.section.values)
+    with xarray.open_dataset(path, engine=engine) as result:
+        assert {name: result.attrs[name] for name in dataset.attrs} == dataset.attrs
+        assert result.FN.attrs == dataset.FN.attrs
+        assert result.word.values.tolist() == dataset.word.values.tolist()
+        np.testing.assert_array_equal(result.section.values, dataset.section.values)
 
 
 @pytest.mark.slow

@@ -68,10 +68,10 @@ def test_what_are_no_starts(starts: Any) -> None:
 
 
 def planned(scene: Any = FIG9, over: Any = None, **options: Any) -> SweepPlan:
-    given = {"record": "word", "t_end": "9T", "skip": 0, "starts": None} | options
+    arguments = {"record": "word", "t_end": "9T", "skip": 0, "starts": None} | options
     if over is None:
         over = {"FN": [1, 2], "Omega": "3:4:3"}
-    return read_plan(scene, over, *given.values())
+    return read_plan(scene, over, *arguments.values())
 
 
 @pytest.mark.parametrize("given", ["T", "-1T", "9 periods", "", None, [], "1e12T", True])
@@ -99,14 +99,14 @@ ROWS = [{"k": 3, "x0": "1/3"}, {"k": 0.1, "x0": -2}, {"k": 3, "x0": 0}]
     ],
 )
 def test_the_call_gives_the_same_bits(over: Any, options: Any) -> None:
-    found = sweep(load_scene("fig9"), over, **options)
-    identical(again(found), found)
+    dataset = sweep(load_scene("fig9"), over, **options)
+    identical(again(dataset), dataset)
 
 
 def test_the_scenes_exact_numbers_and_error_are_in_the_call() -> None:
     scene = load_scene("fig7-exact")
-    found = sweep(scene, {"FN": [float(scene.parameters.FN)]}, t_end="1T")
-    assert symosc.base.exact.show(scene.x0) in found.attrs["call"]
+    dataset = sweep(scene, {"FN": [float(scene.parameters.FN)]}, t_end="1T")
+    assert symosc.base.exact.show(scene.x0) in dataset.attrs["call"]
     assert scene.start_error is not None
-    assert "start_error=" in found.attrs["call"]
-    identical(again(found), found)
+    assert "start_error=" in dataset.attrs["call"]
+    identical(again(dataset), dataset)

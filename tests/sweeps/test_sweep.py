@@ -46,7 +46,7 @@ def test_a_finished_output_is_read_and_not_computed_again(
 ) -> None:
     path = tmp_path / f"map{suffix}"
     identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
-    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    assert [path.name for path in tmp_path.iterdir()] == [path.name]
     assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == (str(path), 24, 24, True)
     monkeypatch.setattr(chunks, "compute", None)
     identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
@@ -95,7 +95,7 @@ def test_killed_at_random_moments_it_goes_on_to_the_same_bits(count: int, tmp_pa
     assert not path.exists()
     assert 0 < sweep_status(SCENE, over, **OPTIONS, path=path).done < 300
     identical(sweep(SCENE, over, **OPTIONS, path=path), sweep(SCENE, over, **OPTIONS))
-    assert [each.name for each in tmp_path.iterdir()] == ["map.nc"]
+    assert [path.name for path in tmp_path.iterdir()] == ["map.nc"]
 
 
 @pytest.mark.slow
@@ -151,7 +151,7 @@ def test_a_disk_that_the_output_fills_keeps_all_chunks(
     assert not path.exists()
     assert sweep_status(SCENE, OVER, **OPTIONS, path=path) == (str(path), 24, 24, False)
     identical(sweep(SCENE, OVER, **OPTIONS, path=path), whole)
-    assert [each.name for each in tmp_path.iterdir()] == [path.name]
+    assert [path.name for path in tmp_path.iterdir()] == [path.name]
 
 
 @pytest.mark.parametrize("resume", [True, False])
@@ -161,7 +161,9 @@ def test_what_is_not_ours_is_refused_and_stays(resume: bool, tmp_path: Path) -> 
         (tmp_path / name / "thesis.tex").write_text("mine")
     (tmp_path / "file.nc").write_text("mine")
     for name in ("map.zarr", "other.nc", "file.nc"):
-        with pytest.raises(SweepError, match=r"no output of a sweep|no folder of a sweep"):
+        with pytest.raises(
+            SweepError, match=r"not the output of a sweep|not the folder of a sweep"
+        ):
             sweep(SCENE, {"k": [3]}, path=tmp_path / name, resume=resume)
     theirs = sorted(
         path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()
@@ -192,9 +194,9 @@ def test_each_cell_is_the_motion_that_its_coordinates_say(seed: int) -> None:
     rng = np.random.default_rng(seed)
     scene = load_scene("fig9")
     over = {"Omega": rng.uniform(2, 6, 3), "x0": rng.normal(0, 3, 2), "mu1": rng.uniform(0, 1, 2)}
-    found = sweep(scene, over, t_end="7/3T", record=("events", "sticks", "x"))
-    for cell in np.ndindex(found.events.shape):
-        one = found[dict(zip(over, cell, strict=True))]
+    dataset = sweep(scene, over, t_end="7/3T", record=("events", "sticks", "x"))
+    for cell in np.ndindex(dataset.events.shape):
+        one = dataset[dict(zip(over, cell, strict=True))]
         p = scene.parameters.replace(Omega=float(one.Omega), mu1=float(one.mu1))
         t_end = float(scene.t0) + float(7 / 3) * (2 * np.pi / float(one.Omega))
         motion = simulate(p, t0=scene.t0, x0=float(one.x0), v0=scene.v0, t_end=t_end)
@@ -346,10 +348,10 @@ def test_the_border_of_the_map_is_the_formulas() -> None:
     assert largest_friction(1.5) == pytest.approx(0.64657909, abs=1e-8)  # published
     assert largest_friction(0.8) == pytest.approx(0.81740639, abs=1e-8)
     over = {"Omega": "0.65:2:6", "mu1": "0.42:0.9:13"}
-    found = sweep(WALL, over, record="sticks", t_end="61T", skip="60T")
+    dataset = sweep(WALL, over, record="sticks", t_end="61T", skip="60T")
     step = 0.04
-    for ratio in found.Omega.values:
-        stops = found.sticks.sel(Omega=ratio)
+    for ratio in dataset.Omega.values:
+        stops = dataset.sticks.sel(Omega=ratio)
         free = stops.mu1.values[stops.values == 0]
         stopping = stops.mu1.values[stops.values > 0]
         border = largest_friction(ratio)

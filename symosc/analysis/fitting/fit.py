@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,7 +37,7 @@ from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import read_exact
 from symosc.base.quantities import read_number
 from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.scenes import STARTS, Scene, load_scene, scene_of
+from symosc.scenes import STARTS, Scene, scene_of
 from symosc.simulation.simulate import read_start
 from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Trajectory
@@ -152,14 +151,17 @@ def fit(
     >>> abs(found.values["mu1"] - 0.8) < 3 * found.errors["mu1"]
     True
     """
-    what = scene_of(what, "what")
+    scene = scene_of(what, "what")
     require(SOLUTION, data=data)
     require(*NAMES, free=free)
     require_or_none(NUMBER, sequence_of(NUMBER), sigma=sigma)
     require_or_none(mapping_of(NUMBER), start=start)
     require(FLAG, robust=robust)
     require_or_none(mapping_of(TEXT, NONE), columns=columns)
-    names = (free,) if isinstance(free, str) else tuple(free)
+    if isinstance(free, str):
+        names: tuple[str, ...] = (free,)
+    else:
+        names = tuple(free)
     known = (*PARAMETER_NAMES, *STARTS)
     for argument, given_names in (("free", names or ("",)), ("start", start or {})):
         for name in given_names:
@@ -171,7 +173,6 @@ def fit(
             allowed = f"must be one of the free numbers {', '.join(names)}"
             raise ParameterError("start", name, allowed)
     sigmas = _sigma(sigma)
-    scene = load_scene(what) if isinstance(what, str | Path) else what
     measured = replace(read_measured(data, columns, scene), weighted=sigma is not None)
     problem = _problem(scene, names, measured, sigmas)
     search = Search(problem, _first_values(problem, start or {}))
@@ -288,7 +289,10 @@ def _sigma(sigma: Any) -> np.ndarray:
     """
     if sigma is None:
         return np.ones(2)
-    pair = sigma if isinstance(sigma, Sequence) and not isinstance(sigma, str) else [sigma] * 2
+    if isinstance(sigma, Sequence) and not isinstance(sigma, str):
+        pair = sigma
+    else:
+        pair = [sigma] * 2
     deviations = [float(read_exact("sigma", number)) for number in pair]
     if len(deviations) != 2 or min(deviations) <= 0:
         raise ParameterError("sigma", sigma, "must be a number > 0, or two: of x and v")

@@ -126,7 +126,10 @@ def _worst_first(rows: np.ndarray, off: np.ndarray) -> list[int]:
 def _outlier(measured: Measured, off: np.ndarray, row: int) -> Outlier:
     """Return a residual as an `Outlier`."""
     column, number = divmod(row, len(measured.t))
-    what = measured.columns[column] if measured.kinds is None else str(measured.kinds[number])
+    if measured.kinds is None:
+        what = measured.columns[column]
+    else:
+        what = str(measured.kinds[number])
     return Outlier(number, what, float(measured.t[number]), float(off[row]))
 
 

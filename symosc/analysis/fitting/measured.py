@@ -51,7 +51,9 @@ class Measured:
     @property
     def columns(self) -> tuple[str, ...]:
         """The names of what is measured: "t" of events, or "x", or "x" and "v"."""
-        return ("t",) if self.states is None else ("x", "v")[: len(self.states)]
+        if self.states is None:
+            return ("t",)
+        return ("x", "v")[: len(self.states)]
 
     @property
     def times(self) -> np.ndarray:
@@ -60,8 +62,10 @@ class Measured:
 
     def thinned(self, most: int) -> Measured:
         """Return every n-th sample, so that about `most` are left; events are all kept."""
-        step = 1 if self.states is None else -(-len(self.t) // most)
-        if step == 1 or self.states is None:
+        if self.states is None:
+            return self
+        step = -(-len(self.t) // most)
+        if step == 1:
             return self
         return Measured(self.t[::step], None, self.states[:, ::step], self.weighted)
 
@@ -71,7 +75,9 @@ def read_measured(data: Any, columns: Mapping[str, str | None] | None, scene: Pr
 
     `columns` says how the columns t, kind, x and v are called, `scene` what is fitted.
     """
-    kind = (columns or {}).get(KIND) if isinstance(columns, Mapping) else None
+    kind = None
+    if isinstance(columns, Mapping):
+        kind = columns.get(KIND)
     if kind is not None and not isinstance(kind, str):
         raise ParameterError(
             "columns", kind, "must be text: the name of the column that holds kind"
@@ -130,9 +136,11 @@ def _table(data: Any) -> dict[str, Any] | None:
 def _choose(names: Iterable[str], kind: str | None, asked: Asked, where: str) -> dict[str, str]:
     """Return which of the column `names` are t and kind, or else t, x and perhaps v."""
     there = list(map(str, names))
-    kinds = [name for name in there if name == kind] if kind else []
-    kinds = kinds or [name for name in there if kind is None and name == KIND]
-    kinds = kinds or [name for name in there if kind is None and plain(name) in KIND_COLUMNS]
+    if kind is None:
+        kinds = [name for name in there if name == KIND]
+        kinds = kinds or [name for name in there if plain(name) in KIND_COLUMNS]
+    else:
+        kinds = [name for name in there if name == kind]
     if kind is not None and not kinds:
         raise ParameterError(
             "column", kind, f"not found in {where}; its columns are {names_text(there)}"

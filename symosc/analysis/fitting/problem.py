@@ -80,10 +80,15 @@ class Problem:
         """Return the problem of the data up to a time."""
         measured = self.measured
         rows = measured.t <= time
-        kinds = None if measured.kinds is None else measured.kinds[rows]
-        states = None if measured.states is None else measured.states[:, rows]
+        kinds = measured.kinds
+        after = 0.0
+        if kinds is not None:
+            after = 2.0 * spacing(measured.t, kinds)
+            kinds = kinds[rows]
+        states = measured.states
+        if states is not None:
+            states = states[:, rows]
         early = replace(measured, t=measured.t[rows], kinds=kinds, states=states)
-        after = 0.0 if kinds is None else 2.0 * spacing(measured.t, measured.kinds)
         return replace(self, measured=early, end=min(self.end, time + after), _last=None)
 
     def thinned(self, most: int) -> Problem:
@@ -172,9 +177,14 @@ class Problem:
 
 def spacing(times: np.ndarray, kinds: np.ndarray | None) -> float:
     """Return the median time between events of one kind, or without two of a kind between all."""
-    groups = [times] if kinds is None else [times[kinds == kind] for kind in sorted(set(kinds))]
+    if kinds is None:
+        groups = [times]
+    else:
+        groups = [times[kinds == kind] for kind in sorted(set(kinds))]
     gaps = np.concatenate([np.diff(np.sort(group)) for group in groups])
     gaps = gaps[gaps > 0.0]
     if not len(gaps):
         gaps = np.diff(np.unique(times))
-    return float(np.median(gaps)) if len(gaps) else 1.0
+    if not len(gaps):
+        return 1.0
+    return float(np.median(gaps))

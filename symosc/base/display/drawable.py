@@ -80,31 +80,33 @@ class Comparable:
         return all(_same(getattr(self, name), getattr(other, name)) for name in names)
 
 
-def _same(one: Any, other: Any) -> bool:
+def _same(first: Any, second: Any) -> bool:
     """Return whether two values of a field are equal.
 
     Arrays are compared as a whole. NaN equals NaN, also within lists, tuples, dictionaries and
     dataclasses that have no comparison of their own.
     """
-    if hasattr(one, "dtype") or hasattr(other, "dtype"):
-        return _same_arrays(one, other)
-    if type(one) is not type(other):
-        return bool(one == other)
-    if isinstance(one, list | tuple):
-        return len(one) == len(other) and all(map(_same, one, other))
-    if isinstance(one, dict):
-        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
-    if is_dataclass(one) and not isinstance(one, Comparable):
-        compared = [field.name for field in fields(one) if field.compare]
-        return all(_same(getattr(one, name), getattr(other, name)) for name in compared)
-    return bool(one == other or (one != one and other != other))
+    if hasattr(first, "dtype") or hasattr(second, "dtype"):
+        return _same_arrays(first, second)
+    if type(first) is not type(second):
+        return bool(first == second)
+    if isinstance(first, list | tuple):
+        return len(first) == len(second) and all(map(_same, first, second))
+    if isinstance(first, dict):
+        return first.keys() == second.keys() and all(
+            _same(first[key], second[key]) for key in first
+        )
+    if is_dataclass(first) and not isinstance(first, Comparable):
+        compared = [field.name for field in fields(first) if field.compare]
+        return all(_same(getattr(first, name), getattr(second, name)) for name in compared)
+    return bool(first == second or (first != first and second != second))
 
 
-def _same_arrays(one: Any, other: Any) -> bool:
+def _same_arrays(first: Any, second: Any) -> bool:
     import numpy as np
 
-    is_real = all(np.asarray(value).dtype.kind in "fc" for value in (one, other))
-    return bool(np.array_equal(one, other, equal_nan=is_real))
+    is_real = all(np.asarray(value).dtype.kind in "fc" for value in (first, second))
+    return bool(np.array_equal(first, second, equal_nan=is_real))
 
 
 class Listing(tuple[Item, ...]):

@@ -17,6 +17,8 @@ from threading import Lock, Timer
 from time import monotonic
 from typing import Any
 
+from symosc.base.aliases import Progress
+
 #: Called with the amount done and the total.
 Report = Callable[[float, float], Any]
 #: Called with the part done, from 0 to 1, and the number of things done.
@@ -54,7 +56,7 @@ def delay() -> float:
 
 @contextmanager
 def reporting(
-    progress: Any, there: float, total: float, label: str = "sweep", unit: str = "motions"
+    progress: Progress, there: float, total: float, label: str = "sweep", unit: str = "motions"
 ) -> Iterator[Report]:
     """Yield a function that reports progress; call it with the amount done and the total amount.
 
@@ -78,7 +80,7 @@ def bar(label: str, total: float, unit: str = "steps") -> AbstractContextManager
 
 
 @contextmanager
-def late_bar(progress: Any, label: str, unit: str) -> Iterator[Advance]:
+def late_bar(progress: Progress, label: str, unit: str) -> Iterator[Advance]:
     """Yield a function to call with the fraction done (0 to 1) and the number of steps done; None
     if no bar is shown.
 
@@ -100,7 +102,8 @@ def _bar_drawer(
     """Yield show(done, total, count), which after some seconds draws a bar with the rate of `count`
     per second.
     """
-    begin = since = monotonic()
+    begin = monotonic()
+    since = begin
     last = there
     drawn = -LEAST_PAUSE
     shown: Any = None
