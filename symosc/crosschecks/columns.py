@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from math import pi
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from symosc.crosschecks.causes import Candidate, Case, Diagnosis
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.velocities import with_velocities
+from symosc.crosschecks.verdict import Verdict
 from symosc.model import Parameters
 from symosc.simulation.tables import counted
 
@@ -337,7 +337,7 @@ def _are_single(t: np.ndarray) -> bool:
 # -- the numbers themselves, and the list of events --------------------------------------------------------------------
 
 
-def event_list_faults(check: Any) -> Iterator[Diagnosis]:
+def event_list_faults(check: Verdict) -> Iterator[Diagnosis]:
     """Yield what is wrong with a solver's list of events although its samples are right."""
     missed = check.missed
     invented = check.invented
@@ -425,7 +425,7 @@ def noise(case: Case) -> Iterator[Candidate]:
         yield Candidate(found, left=np.where(fits, 0.0, case.sizes))
 
 
-def few_digits(check: Any) -> Iterator[Diagnosis]:
+def few_digits(check: Verdict) -> Iterator[Diagnosis]:
     """Yield the diagnosis that the columns were written with few digits."""
     if check.rounded:
         columns = ", ".join(f"{name} to {text}" for name, text in check.rounded.items())

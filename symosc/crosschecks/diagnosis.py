@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from symosc.crosschecks.causes import (
     larger,
     mended_share,
 )
+from symosc.crosschecks.verdict import Verdict, judge
 from symosc.engine.next_event import TWO_PI
 
 # Causes that explain this little less than the best are its alternatives.
@@ -51,8 +51,8 @@ STAGES: tuple[tuple[Cause, ...], ...] = (
 )
 
 
-def diagnose(check: Any) -> tuple[Diagnosis, ...]:
-    """Return the probable causes of the errors of a `CrossCheck`, the most probable first."""
+def diagnose(check: Verdict) -> tuple[Diagnosis, ...]:
+    """Return the probable causes of the errors of a solution, the most probable first."""
     few_digits = tuple(columns.few_digits(check))
     if check.ok:
         return few_digits
@@ -67,7 +67,7 @@ def diagnose(check: Any) -> tuple[Diagnosis, ...]:
     return (*found, *few_digits)
 
 
-def _cause_of_wrong_steps(check: Any) -> Diagnosis:
+def _cause_of_wrong_steps(check: Verdict) -> Diagnosis:
     """Return what is probably wrong with samples that have wrong steps."""
     if not (np.ptp(check.x) or np.ptp(check.v)):
         words = "x and v never change: the mass does not move"
@@ -93,7 +93,7 @@ def _cause_of_wrong_steps(check: Any) -> Diagnosis:
     return _unknown(check)
 
 
-def _explaining(case: Case, stage: Iterable[Cause], check: Any) -> Iterator[Candidate]:
+def _explaining(case: Case, stage: Iterable[Cause], check: Verdict) -> Iterator[Candidate]:
     """Yield the candidates of a stage that explain the steps of a `case`.
 
     One without a change has to explain the largest defect of the `check` too, wherever that is.
@@ -128,7 +128,7 @@ def _candidates(case: Case, cause: Cause) -> Iterator[Candidate]:
 class Repeated:
     """A check that is repeated with changes, as often as is allowed."""
 
-    def __init__(self, check: Any) -> None:
+    def __init__(self, check: Verdict) -> None:
         self.check = check
         self.left = MOST_REPEATED
 
@@ -170,7 +170,7 @@ class Repeated:
         evidence = "; ".join(filter(None, (diagnosis.evidence, words)))
         return replace(diagnosis, evidence=evidence, share=share)
 
-    def _check_with(self, candidate: Candidate) -> Any:
+    def _check_with(self, candidate: Candidate) -> Verdict | None:
         """Return the check with a candidate's change; None if it is not possible."""
         task = self.check.task
         samples = task.samples
@@ -183,7 +183,9 @@ class Repeated:
             samples = replace(samples, v=np.full(len(samples.t), np.nan))
         samples = replace(samples, events=None, dense=None, v_off=None)
         try:
-            again = task.again(samples, candidate.parameters or task.parameters)
+            again = judge(
+                replace(task, samples=samples, scene=candidate.parameters or task.parameters)
+            )
         except ParameterError:
             return None
         if again.task.samples.v_off is not None and len(again.t) < FEWEST_LEFT * len(self.check.t):
@@ -194,7 +196,7 @@ class Repeated:
 # -- what is said where no cause is named ------------------------------------------------------------------------------
 
 
-def _start(check: Any) -> Iterator[Diagnosis]:
+def _start(check: Verdict) -> Iterator[Diagnosis]:
     """Yield the diagnosis of another start, if a note of the check or the global error shows it."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
     if check.wrong_start:
@@ -208,7 +210,7 @@ def _start(check: Any) -> Iterator[Diagnosis]:
         )
 
 
-def _unknown(check: Any) -> Diagnosis:
+def _unknown(check: Verdict) -> Diagnosis:
     """Return the diagnosis that the cause is unknown."""
     words = "the cause is unknown"
     first = check.first_wrong

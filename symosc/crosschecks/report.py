@@ -8,27 +8,28 @@ from __future__ import annotations
 import multiprocessing
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import ExitStack
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass, fields
 from functools import cached_property, partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from symosc.base.aliases import Record
+from symosc.base.aliases import Progress, Record
 from symosc.base.display.drawable import Comparable, Drawable, Reportable
 from symosc.base.display.frames import imported
 from symosc.base.display.progress import reporting
 from symosc.base.errors import ParameterError
 from symosc.base.workers import process_pool
-from symosc.crosschecks.causes import REASONS, Diagnosis, Fault
+from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.diagnosis import diagnose
-from symosc.crosschecks.events import FoundEvent, Match
+from symosc.crosschecks.events import FoundEvent
+from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.samples import Samples
-from symosc.model import Parameters
+from symosc.crosschecks.verdict import Task, Verdict, judge
 from symosc.simulation.tables import counted
-from symosc.simulation.trajectory import Event, Trajectory
+from symosc.simulation.trajectory import Event
 
 EVENTS_LISTED = 5  # of a kind in a summary
 # Number of failing solutions that a summary of several solutions lists.
@@ -36,26 +37,8 @@ MOST_LISTED = 20
 EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
 
 
-class Judged(Protocol):
-    """What a `CrossCheck` has judged: samples of a system, which may be judged again with a change."""
-
-    @property
-    def samples(self) -> Samples:
-        """The samples."""
-        ...
-
-    @property
-    def parameters(self) -> Parameters:
-        """The parameters of the exact motion."""
-        ...
-
-    def again(self, samples: Samples, parameters: Parameters) -> CrossCheck:
-        """Judge other samples of another system in the same way."""
-        ...
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class CrossCheck(Comparable, Drawable, Reportable):
+class CrossCheck(Verdict, Comparable, Drawable, Reportable):
     """The comparison of samples with the exact motion.
 
     Attributes
@@ -137,45 +120,13 @@ class CrossCheck(Comparable, Drawable, Reportable):
     _drawn_by = "crosscheck_figure"
     _made_by = "crosscheck(...)"
 
-    ok: bool
-    max_error_x: float
-    max_error_v: float
-    errors: np.ndarray
-    limits: np.ndarray
-    defects: np.ndarray
-    wrong_steps: np.ndarray
-    wrong_spans: np.ndarray
-    allowed: np.ndarray
-    matched: tuple[Match, ...]
-    missed: tuple[Event, ...]
-    invented: tuple[FoundEvent, ...]
-    unresolved: tuple[Event | FoundEvent, ...]
-    decisions: tuple[Fault, ...]
-    faults: tuple[Fault, ...]
-    first_wrong: Fault | None
-    first_switching: Fault | None
-    compared_until: float
-    tolerance: float
-    global_tolerance: float
-    scales: tuple[float, float]
-    rounded: dict[str, str]
-    notes: tuple[str, ...]
-    modes: np.ndarray
-    t: np.ndarray
-    x: np.ndarray
-    v: np.ndarray
-    trajectory: Trajectory
-    own_start: tuple[float, float, float] | None = None
-    _task: Judged | None = None
-    wrong_start: str = ""
-    early_end: str = ""
-    coarser: CrossCheck | None = None
-
-    @property
-    def task(self) -> Judged:
-        """What was judged, and how."""
-        assert self._task is not None
-        return self._task
+    @classmethod
+    def of(cls, verdict: Verdict) -> CrossCheck:
+        """Return a verdict as a result that can be shown."""
+        values = {part.name: getattr(verdict, part.name) for part in fields(verdict)}
+        if verdict.coarser is not None:
+            values["coarser"] = cls.of(verdict.coarser)
+        return cls(**values)
 
     @cached_property
     def diagnosis(self) -> tuple[Diagnosis, ...]:
@@ -438,22 +389,23 @@ class CrossChecks(list[CrossCheck]):
         return imported("xarray").Dataset(data, coords={"solution": names})
 
 
-def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> CrossCheck:
+def _judged(task: Callable[[Samples], Task], name: str, samples: Samples) -> CrossCheck:
     """Judge samples by the `Task` that `task` makes of them.
 
     Add the solution's `name` to a ParameterError.
     """
     try:
-        found: CrossCheck = task(samples).verdict()
+        return CrossCheck.of(judge(task(samples)))
     except ParameterError as error:
-        raise ParameterError(
-            error.name, error.value, f"{error.allowed} (solution {name})"
-        ) from None
-    return found
+        what = f"{error.allowed} (solution {name})"
+        raise ParameterError(error.name, error.value, what) from None
 
 
 def check_all(
-    task: Callable[[Samples], Any], solutions: Sequence[Samples], workers: int, progress: Any
+    task: Callable[[Samples], Task],
+    solutions: Sequence[Samples],
+    workers: int,
+    progress: Progress | None,
 ) -> CrossChecks:
     """Judge each of `solutions` by the `Task` that `task` makes of it, in `workers` processes.
 
@@ -462,22 +414,27 @@ def check_all(
     count = min(workers, len(solutions))
     total = len(solutions)
     names = [samples.name or str(i) for i, samples in enumerate(solutions)]
-    found = list[CrossCheck]()
+    checks = list[CrossCheck]()
     with (
         reporting(progress or False, 0, total, "check", "solutions") as report,
         ExitStack() as stack,
     ):
-        each: Any = map
+        in_turn: Any = map
         if count > 1:
-            # A process that is forked needs no main module that can be imported.
-            forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
-            stack.enter_context(warnings.catch_warnings())
-            warnings.simplefilter(
-                "ignore", DeprecationWarning
-            )  # of forking beside threads, which are idle
-            pool = stack.enter_context(process_pool(count, "fork" if forks else "spawn"))
-            each = pool.map
-        for check in each(partial(_judged, task), names, solutions):
-            found.append(check)
-            report(len(found), total)
-    return CrossChecks(found, names)
+            in_turn = stack.enter_context(_processes(count)).map
+        for check in in_turn(partial(_judged, task), names, solutions):
+            checks.append(check)
+            report(len(checks), total)
+    return CrossChecks(checks, names)
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Any]:
+    """Open a pool of processes."""
+    # A process that is forked needs no main module that can be imported.
+    forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
+    with warnings.catch_warnings():
+        # of forking beside threads, which are idle
+        warnings.simplefilter("ignore", DeprecationWarning)
+        with process_pool(count, "fork" if forks else "spawn") as pool:
+            yield pool
