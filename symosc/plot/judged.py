@@ -22,10 +22,13 @@ from matplotlib.lines import Line2D
 from symosc.analysis.fitting.fit import Fit
 from symosc.base.aliases import Record
 from symosc.base.arguments import TEXT, public, require, require_or_none, sequence_of
+from symosc.base.display.pages import render
 from symosc.base.errors import ParameterError
 from symosc.base.exact import whole_number
 from symosc.base.files import check_folder_of, write_text
 from symosc.certificates.certificate import Certificate
+from symosc.crosschecks.causes import CAUSES
+from symosc.crosschecks.faults import REASONS
 from symosc.crosschecks.report import CrossCheck
 from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, panels_for, shown_name
 from symosc.simulation.simulate import simulate
@@ -336,10 +339,6 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 
     OutputError if this fails.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    from symosc.crosschecks.causes import CAUSES, REASONS
-
     check_folder_of(path)
     events = _events(check)
     content: Record = {"check": check, "verdict": _verdict(check), "events": events[:MOST_ROWS]}
@@ -356,14 +355,7 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
             (each.step, f"{each.t:.10g}", f"{each.defect_x:.1e}", f"{each.defect_v:.1e}", guess)
         )
     content |= {"faults": faults, "shown": 8}  # rows of a table before the reader unfolds the rest
-    options: Record = {
-        "autoescape": True,
-        "undefined": StrictUndefined,
-        "trim_blocks": True,
-        "lstrip_blocks": True,
-    }
-    environment = Environment(loader=PackageLoader("symosc.plot", "templates"), **options)
-    return write_text(path, environment.get_template("crosscheck.html.j2").render(content))
+    return write_text(path, render("plot/templates/crosscheck.html.j2", content))
 
 
 def _verdict(check: CrossCheck) -> str:
