@@ -15,12 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from symosc.base.aliases import Record
+from symosc.crosschecks.event_verdicts import EventVerdicts
 from symosc.crosschecks.events import (
     WINDOW,
     FoundEvent,
     Match,
-    Matcher,
-    TimeTolerances,
     find_events,
     given_events,
     labels,
@@ -36,6 +35,7 @@ from symosc.crosschecks.steps import (
     push_bound,
     sample_errors,
 )
+from symosc.crosschecks.time_tolerances import TimeTolerances
 from symosc.crosschecks.velocities import with_velocities
 from symosc.model import Parameters
 from symosc.scenes import STARTS, Scene
@@ -507,7 +507,7 @@ class Comparison:
             _task=replace(task, samples=replace(task.samples, dense=None)),
         )
 
-    def _match(self, shown: list[FoundEvent], label: np.ndarray) -> Matcher:
+    def _match(self, shown: list[FoundEvent], label: np.ndarray) -> EventVerdicts:
         """Match the exact events with the solver's list of events or, if it has none, with those `shown`.
 
         The events `shown` were read off the samples; `label` are the mode codes of the samples.
@@ -519,7 +519,9 @@ class Comparison:
         motion = self.trajectory
         if events is None or lists is not None:
             shown = [event for event in shown if float(samples.t[event.step]) <= self.until]
-            of_samples = Matcher(motion, motion.events, shown, False, tolerances, label, self.wrong)
+            of_samples = EventVerdicts(
+                motion, motion.events, shown, False, tolerances, label, self.wrong
+            )
             if events is None:
                 return of_samples
         # Where the exact motion has ended there is nothing to match.
@@ -530,7 +532,7 @@ class Comparison:
         exact = self._exact_events(pairs)
         tolerances = replace(tolerances, listed=tolerances.listed[order])
         given = given_events(self.steps, pairs)
-        listed = Matcher(motion, exact, given, True, tolerances, label, self.wrong, lists)
+        listed = EventVerdicts(motion, exact, given, True, tolerances, label, self.wrong, lists)
         if lists is None:
             return listed
         of_samples.add_list(listed)
@@ -555,7 +557,7 @@ class Comparison:
             self.steps, within + self.loose, allowed_v, self.task.tolerance, self.listed
         )
 
-    def _faults(self, modes: np.ndarray, matching: Matcher) -> tuple[Fault, ...]:
+    def _faults(self, modes: np.ndarray, matching: EventVerdicts) -> tuple[Fault, ...]:
         """Describe wrong steps: the first MOST_FAULTS, and as many in which an event is wrong."""
         # Chatter makes every step wrong and invents two events in each: to describe all takes
         # minutes.
