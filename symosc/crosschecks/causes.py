@@ -152,16 +152,16 @@ class Case:
         """Follow the exact motion over the samples of a `Verdict` around a wrong step."""
         low = max(0, min(around - MOST_BEFORE, len(check.t) - MOST_TRIED_STEPS - 1))
         part = slice(low, low + MOST_TRIED_STEPS + 1)
-        self.check, self.offset, self.parameters = check, low, check.trajectory.parameters
-        self.allowed, self.scales = (
-            check.allowed[part.start : part.stop - 1],
-            np.array(check.scales),
-        )
+        self.check = check
+        self.offset = low
+        self.parameters = check.trajectory.parameters
+        self.allowed = check.allowed[part.start : part.stop - 1]
+        self.scales = np.array(check.scales)
         self.near = np.append(self.allowed[:1, 1], self.allowed[:, 1])
-        s = follow_steps(
-            self.parameters, check.t[part], check.x[part], check.v[part], self.near, self.scales
-        )
-        self.steps, self.sizes = s, np.max(np.abs(s.defects) / self.allowed, axis=1)
+        samples = (check.t[part], check.x[part], check.v[part])
+        s = follow_steps(self.parameters, *samples, self.near, self.scales)
+        self.steps = s
+        self.sizes = np.max(np.abs(s.defects) / self.allowed, axis=1)
         moving = np.diff(s.t) > 0.0
         self.wrong = ~(self.sizes <= 1.0)
         self.moving_wrong = np.flatnonzero(self.wrong & moving)
@@ -173,10 +173,9 @@ class Case:
         inside[s.events.step] = False
         self.inside = np.flatnonzero(inside & moving & np.isfinite(self.sizes))
         self.inside_wrong = self.inside[self.wrong[self.inside]]
+        self.flights_wrong = 0.0
         if len(self.inside):
             self.flights_wrong = float(np.mean(self.wrong[self.inside]))
-        else:
-            self.flights_wrong = 0.0
 
     @cached_property
     def telling(self) -> np.ndarray:
@@ -236,8 +235,8 @@ class Case:
 
     def _mended(self, before: np.ndarray, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
         """Return the `mended_share` of other samples, given the defects `before`."""
-        found = follow_steps(self.parameters, t, x, v, float(np.median(self.near)), self.scales)
-        return mended_share(before, larger(found.defects / np.median(self.allowed, axis=0)))
+        after = follow_steps(self.parameters, t, x, v, float(np.median(self.near)), self.scales)
+        return mended_share(before, larger(after.defects / np.median(self.allowed, axis=0)))
 
     def thinned(self, chosen: np.ndarray, most: int) -> np.ndarray:
         """Return the step numbers `chosen` or, if these are more than `most`, so many of them, evenly selected."""
@@ -266,8 +265,8 @@ class Case:
         s = self.steps
         pairs = np.column_stack([chosen, chosen + 1]).ravel()
         near = np.repeat(self.near[chosen], 2)
-        found = follow_steps(p, s.t[pairs] + ahead, s.x[pairs], s.v[pairs], near, self.scales)
-        return np.asarray(found.defects[::2] / self.allowed[chosen])
+        ends = follow_steps(p, s.t[pairs] + ahead, s.x[pairs], s.v[pairs], near, self.scales)
+        return np.asarray(ends.defects[::2] / self.allowed[chosen])
 
     def flight_misses(
         self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None
@@ -281,8 +280,8 @@ class Case:
         if chosen is None:
             chosen = self.inside
         s = self.steps
-        other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
-        return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
+        shifted = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
+        return self.misses(shifted.flight(self.domain[chosen], chosen, chosen + 1), chosen)
 
     def integrated(
         self, force: Callable[[float, float, float], float], chosen: np.ndarray

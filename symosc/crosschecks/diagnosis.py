@@ -59,12 +59,12 @@ def diagnose(check: Verdict) -> tuple[Diagnosis, ...]:
     if check.coarser is not None:
         return diagnose(check.coarser)
     if len(check.wrong_steps):
-        found = [_cause_of_wrong_steps(check)]
+        causes = [_cause_of_wrong_steps(check)]
     elif check.missed or check.invented:
-        found = list(columns.event_list_faults(check))
+        causes = list(columns.event_list_faults(check))
     else:
-        found = list(_start(check))
-    return (*found, *few_digits)
+        causes = list(_start(check))
+    return (*causes, *few_digits)
 
 
 def _cause_of_wrong_steps(check: Verdict) -> Diagnosis:
@@ -88,7 +88,11 @@ def _cause_of_wrong_steps(check: Verdict) -> Diagnosis:
                 named = repeated.confirmed(_explaining(case, stage, check))
                 if named:
                     first, *others = named
-                    as_good = [found for found in others if found.share >= first.share - AS_GOOD]
+                    as_good = [
+                        diagnosis
+                        for diagnosis in others
+                        if diagnosis.share >= first.share - AS_GOOD
+                    ]
                     return replace(first, alternatives=tuple(as_good))
     return _unknown(check)
 
@@ -108,7 +112,7 @@ def _explaining(case: Case, stage: Iterable[Cause], check: Verdict) -> Iterator[
                 yield candidate
                 continue
             elsewhere = elsewhere or Case(check, largest)
-            if candidate.name in {other.name for other in _candidates(elsewhere, cause)}:
+            if candidate.name in {known.name for known in _candidates(elsewhere, cause)}:
                 yield candidate
 
 
@@ -135,13 +139,13 @@ class Repeated:
     def confirmed(self, candidates: Iterable[Candidate]) -> list[Diagnosis]:
         """Return the diagnoses that repeated checks confirm, the best first, each name once."""
         named = dict[tuple[str, str], Diagnosis]()
-        for candidate in sorted(candidates, key=lambda found: -found.diagnosis.share):
+        for candidate in sorted(candidates, key=lambda proposal: -proposal.diagnosis.share):
             if candidate.name in named:
                 continue
             diagnosis = self.with_evidence(candidate)
             if diagnosis is not None and diagnosis.share >= ENOUGH:
                 named[candidate.name] = diagnosis
-        return sorted(named.values(), key=lambda found: -found.share)
+        return sorted(named.values(), key=lambda proposal: -proposal.share)
 
     def with_evidence(self, candidate: Candidate) -> Diagnosis | None:
         """Add the result of the check with a candidate's change to the diagnosis.
@@ -163,7 +167,9 @@ class Repeated:
         words = f"{change} all {steps} steps are right"
         share = 1.0
         if wrong or len(again.wrong_spans):
-            before, after = (larger(one.defects / one.allowed) for one in (self.check, again))
+            before, after = (
+                larger(result.defects / result.allowed) for result in (self.check, again)
+            )
             measure = explained_share if len(before) == len(after) else mended_share
             share = measure(before, after)
             words = f"{change} {wrong} of {steps} steps are wrong"

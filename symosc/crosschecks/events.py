@@ -140,7 +140,7 @@ def find_events(
         (np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong)
     )
     ends = np.append(starts[1:], len(label)) - 1
-    found: list[FoundEvent] = []
+    events: list[FoundEvent] = []
     reader = _Reader(steps, wrong)
     # the last mode of the samples, and the last sample in it
     now = 0
@@ -151,7 +151,7 @@ def find_events(
         nonlocal now
         if now > 3:
             entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
-            found.append(reader.event("slip", now - 3, now, entered, since, since, since))
+            events.append(reader.event("slip", now - 3, now, entered, since, since, since))
             now = entered
         if now:
             if domain > now:
@@ -159,7 +159,7 @@ def find_events(
             else:
                 way = -1
             # No domain is between a domain and itself.
-            found.extend(
+            events.extend(
                 reader.event("cross", min(a, b), a, b, since, sample - 1, None)
                 for a, b in pairwise(range(now, domain + way, way))
                 if now != domain
@@ -177,7 +177,7 @@ def find_events(
                 else:
                     before = now
                 move_to(min((mode - 3, mode - 2), key=lambda d: abs(d - before)), first)
-                found.append(reader.event("stick", mode - 3, now, mode, first - 1, first, first))
+                events.append(reader.event("stick", mode - 3, now, mode, first - 1, first, first))
             now = mode
         else:
             modes[first : last + 1] = 0
@@ -190,14 +190,14 @@ def find_events(
                 source = now = target
             if {source, target} == {mode - 3, mode - 2}:
                 move_to(source, first)
-                found.append(
+                events.append(
                     reader.event("cross", mode - 3, source, target, first - 1, last, first)
                 )
                 now = target
             elif now > 3 or target != now:
                 continue
         since = last
-    return found, modes
+    return events, modes
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:

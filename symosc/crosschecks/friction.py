@@ -52,8 +52,8 @@ def smoothed(case: Case) -> Iterator[Candidate]:
         error = max(spread, WIDTH_DIGITS * width)
         words = f"friction is smoothed: like {name}((v - v_belt)/{rounded(width, error)}) in place of a sign"
         evidence = f"the equation with it, integrated over {counted(len(steps), 'step')}, explains {fits} of them"
-        found = Diagnosis("smoothed friction", name, words, evidence, width, error)
-        yield Candidate(found, left=case.leaving(sizes, steps))
+        diagnosis = Diagnosis("smoothed friction", name, words, evidence, width, error)
+        yield Candidate(diagnosis, left=case.leaving(sizes, steps))
 
 
 def _smoothed_force(

@@ -149,7 +149,7 @@ def _moved(
 ) -> np.ndarray:
     """Return x and v after times `tau` in the given modes, without any event."""
     s = case.steps
-    (x, v) = state
+    x, v = state
     held = mode > 3
     speed = s.belts[np.where(held, mode - 4, 0)]
     flown = s.fly(np.where(held, 1, mode), x, v, theta, tau).T

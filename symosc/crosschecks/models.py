@@ -49,22 +49,22 @@ def other_systems(case: Case) -> Iterator[Candidate]:
     seen = {case.parameters}
     flights = case.thinned(case.inside_wrong, MOST_FLIGHTS)
     for cause, subject, words, change, values in _systems(p):
-        other = _replaced(p, **values)
-        if other is None or other in seen:
+        system = _replaced(p, **values)
+        if system is None or system in seen:
             continue
-        seen.add(other)
-        if len(flights) >= LEAST_FLIGHTS and (other.v1, other.v2) == (p.v1, p.v2):
-            few = larger(case.flight_misses(Arithmetic(other).K, chosen=flights))
+        seen.add(system)
+        if len(flights) >= LEAST_FLIGHTS and (system.v1, system.v2) == (p.v1, p.v2):
+            few = larger(case.flight_misses(Arithmetic(system).K, chosen=flights))
             if np.mean(few <= case.limits()[flights]) < 0.5:
                 continue
-        left = case.left_with(other)
+        left = case.left_with(system)
         if left is not None:
             value = error = None
             if len(values) == 1:
                 value = float(next(iter(values.values())))
                 error = 0.0
-            found = Diagnosis(cause, subject, words, "", value, error)
-            yield Candidate(found, f"with {change}", parameters=other, left=left)
+            diagnosis = Diagnosis(cause, subject, words, "", value, error)
+            yield Candidate(diagnosis, f"with {change}", parameters=system, left=left)
     yield from _wrong_signs(case)
 
 
@@ -210,16 +210,16 @@ def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
     error = float(fit.error[0])
     right = float(getattr(case.parameters, name))
     text = rounded(value, error)
-    other = _replaced(case.parameters, **{name: float(text)})
-    if other is None or other == case.parameters:
+    second = _replaced(case.parameters, **{name: float(text)})
+    if second is None or second == case.parameters:
         left = None
     else:
-        left = case.left_with(other)
+        left = case.left_with(second)
     if left is not None:
         words = f"the solution has {name} = {text}, which should be {right:.10g}"
         evidence = f"fitted: {name} = {text} ± {error:.1g}"
         found = Diagnosis("coefficient", name, words, evidence, value, error)
-        yield Candidate(found, f"with {name} = {text}", parameters=other, left=left)
+        yield Candidate(found, f"with {name} = {text}", parameters=second, left=left)
 
 
 def rounded(value: float, error: float) -> str:
@@ -284,9 +284,9 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
 
     None if the model does not allow the value.
     """
-    other = _replaced(p, **{name: value})
-    if other is not None:
-        return Arithmetic(other).K
+    second = _replaced(p, **{name: value})
+    if second is not None:
+        return Arithmetic(second).K
     if name in (
         "mu1",
         "mu2",
@@ -311,10 +311,10 @@ def _fit_belt(case: Case, name: str) -> Fit | None:
     chosen = case.thinned(case.telling, MOST_FLIGHTS)
 
     def misses(value: np.ndarray) -> np.ndarray:
-        other = _replaced(p, **{name: float(value[0])})
-        if other is None:
+        second = _replaced(p, **{name: float(value[0])})
+        if second is None:
             return np.full((len(chosen), 2), np.nan)
-        return case.some_defects_with(other, chosen)
+        return case.some_defects_with(second, chosen)
 
     step = np.diff(s.t)
     start = np.array([float(getattr(p, name))])
@@ -494,9 +494,11 @@ def jumps_of_clock(case: Case) -> Iterator[Candidate]:
         pace = "slow"
     words = f"the clock of the samples jumps after t = {time:.10g}: from there on it is {pace} by "
     evidence = f"fitted: {rounded(shift, error)} ± {error:.1g}"
-    found = Diagnosis("time shift", "", words + rounded(abs(shift), error), evidence, shift, error)
+    diagnosis = Diagnosis(
+        "time shift", "", words + rounded(abs(shift), error), evidence, shift, error
+    )
     change = f"with {shift:.17g} taken from t after t = {time:.10g}"
-    yield Candidate(found, change, columns=partial(_moved_after, time, shift))
+    yield Candidate(diagnosis, change, columns=partial(_moved_after, time, shift))
 
 
 def _moved_after(

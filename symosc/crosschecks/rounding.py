@@ -38,7 +38,9 @@ def find_rounding(
     x = find_digits(samples.x, samples.x[:1])
     v = find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
-        x, v = x or _as_neighbour(samples.x, v), v or _as_neighbour(samples.v, x)
+        of_x = x or _as_neighbour(samples.x, v)
+        v = v or _as_neighbour(samples.v, x)
+        x = of_x
     t = None
     if x is not None or v is not None:
         t = find_digits(samples.t, samples.t[:1])
@@ -73,13 +75,15 @@ def find_digits(
     numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(numbers) < least:
         return None
-    found = _decimal(values, numbers) or _single(values, numbers)
+    decimal = _decimal(values, numbers) or _single(values, numbers)
     grid = _grid(values, numbers)
     # Steps of a converter may have a few decimals, or a few bits, themselves.
-    coarser = grid is not None and (found is None or np.min(grid.units) > 1.5 * np.max(found.units))
+    coarser = grid is not None and (
+        decimal is None or np.min(grid.units) > 1.5 * np.max(decimal.units)
+    )
     if coarser:
         return grid
-    return found
+    return decimal
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:

@@ -248,7 +248,8 @@ def _follow_samples(
         # On a belt both agree up to rounding: then it is on the belt.
         better = ~(np.max(np.abs(others) / scales[either], axis=1) > size * (1.0 + 1e-6) + EPS)
         chosen = either[better]
-        defects[chosen], modes[:, chosen] = others[better], other_modes[:, better]
+        defects[chosen] = others[better]
+        modes[:, chosen] = other_modes[:, better]
         events = _merged(events, other_events, chosen)
     return defects, modes, events
 
@@ -354,18 +355,18 @@ def _follow(
     if loaded_loop() is None:
         FEW_STEPS.events -= len(rows)
     t, x, theta = numbers[[0, 1, 3]]
-    found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
+    events = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
     undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(undecided):
         singles = [event for i in undecided.tolist() for event in _follow_one(batch, rows, i, K)]
         columns = np.array(singles, dtype=float).reshape(-1, 7).T
         step, kind, boundary, target = columns[[0, 4, 5, 6]].astype(int)
         others = StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target)
-        found = _merged(found, others, undecided)
+        events = _merged(events, others, undecided)
     modes = batch.states["mode"].astype(int)
-    ends = _ends(rows, modes, left, found, K)
+    ends = _ends(rows, modes, left, events, K)
     ends[batch.codes == FAILED] = np.nan
-    return modes, ends, found
+    return modes, ends, events
 
 
 def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:
@@ -441,7 +442,8 @@ def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEv
     kept = ~np.isin(events.step, steps)
     taken = np.isin(others.step, steps)
     columns = [
-        np.concatenate([one[kept], other[taken]]) for one, other in zip(events, others, strict=True)
+        np.concatenate([one[kept], replaced[taken]])
+        for one, replaced in zip(events, others, strict=True)
     ]
     order = np.lexsort((columns[1], columns[0]))
     return StepEvents(*(column[order] for column in columns))

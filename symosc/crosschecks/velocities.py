@@ -66,10 +66,10 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
         if fitted is not None:
             return fitted
     few = replace(samples, t=samples.t[telling], x=samples.x[telling])
-    found = _from_positions(few, scene, K, tolerance, rounded[telling])
+    computed = _from_positions(few, scene, K, tolerance, rounded[telling])
     if len(telling) == len(samples.t):
-        return found
-    return _filled(K, p, samples, found, telling[len(telling) - len(found.t) :])
+        return computed
+    return _filled(K, p, samples, computed, telling[len(telling) - len(computed.t) :])
 
 
 def _telling_samples(p: Parameters, t: np.ndarray) -> np.ndarray:
@@ -223,10 +223,10 @@ def _fit_motion(
     if best > GOOD_FIT:
         guesses = _first_guesses(p, t[telling], x[telling])
         as_guessed = (_motion(p, t[-1], t[0], x[0], v0) for v0 in guesses)
-        for each in chain(as_guessed, (_fitted(p, t, x, v0, misfit) for v0 in guesses)):
-            if (found := misfit(each)) < best:
-                motion = each
-                best = found
+        for guess in chain(as_guessed, (_fitted(p, t, x, v0, misfit) for v0 in guesses)):
+            if (size := misfit(guess)) < best:
+                motion = guess
+                best = size
             if best <= GOOD_FIT:
                 break
     if motion is None or best > WORST_FIT:
@@ -241,9 +241,9 @@ def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajector
 
     None if the model does not allow it.
     """
-    given: Record = dict(zip(STARTS, map(float, start), strict=False))
+    numbers: Record = dict(zip(STARTS, map(float, start), strict=False))
     try:
-        return simulate(scene, t_end=float(t_end), max_events=20_000, **given)
+        return simulate(scene, t_end=float(t_end), max_events=20_000, **numbers)
     except ParameterError:
         return None
 
@@ -347,7 +347,8 @@ def _flight_velocities(
         end = v + flown(v, A)[1]
         inside = usable & (v >= walls[domain]) & (v <= walls[domain + 1])
         inside &= (end >= walls[domain]) & (end <= walls[domain + 1])
-        starts[domain], ends[domain] = np.where(inside, v, np.nan), np.where(inside, end, np.nan)
+        starts[domain] = np.where(inside, v, np.nan)
+        ends[domain] = np.where(inside, end, np.nan)
     return starts, ends
 
 
@@ -365,7 +366,9 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
         for j in range(len(starts)):
             gap = np.abs(ends[i, :-1] - starts[j, 1:])
             closer = gap < best
-            best[closer], left[closer], right[closer] = gap[closer], i, j
+            best[closer] = gap[closer]
+            left[closer] = i
+            right[closer] = j
     return best, left, right
 
 
@@ -401,10 +404,10 @@ def _continued(
         if not len(steps):
             break
         on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
-        found = follow_from(K, np.array([t, x, np.where(np.isnan(v), 0.0, v), theta]), steps, on)[
-            0
-        ][:, 1]
-        v[steps + 1] = np.where(np.isnan(found), v[steps], found)
+        followed = follow_from(
+            K, np.array([t, x, np.where(np.isnan(v), 0.0, v), theta]), steps, on
+        )[0][:, 1]
+        v[steps + 1] = np.where(np.isnan(followed), v[steps], followed)
     rest = np.flatnonzero(np.isnan(v))
     if len(rest):
         v[rest] = np.interp(t[rest], t[~np.isnan(v)], v[~np.isnan(v)])

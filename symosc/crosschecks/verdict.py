@@ -531,8 +531,10 @@ class Comparison:
         pairs = [events[i] for i in order]
         exact = self._exact_events(pairs)
         tolerances = replace(tolerances, listed=tolerances.listed[order])
-        given = given_events(self.steps, pairs)
-        listed = EventVerdicts(motion, exact, given, True, tolerances, label, self.wrong, lists)
+        listed_events = given_events(self.steps, pairs)
+        listed = EventVerdicts(
+            motion, exact, listed_events, True, tolerances, label, self.wrong, lists
+        )
         if lists is None:
             return listed
         of_samples.add_list(listed)

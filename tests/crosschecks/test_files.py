@@ -151,6 +151,15 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
         read_samples(tmp_path / "none.parquet")
 
 
+def test_what_is_in_a_struct_is_named_after_it(tmp_path: Path) -> None:
+    variables = {"out": {"run": COLUMNS, "limits": {"x": 5.0}}, "step": 0.1}
+    savemat(tmp_path / "run.mat", variables)
+    with pytest.raises(ParameterError, match=r"there are: out\.run\.t, .*out\.limits\.x, step"):
+        read_samples(tmp_path / "run.mat")
+    asked = {name: f"out.run.{name}" for name in "txv"}
+    np.testing.assert_array_equal(read_samples(tmp_path / "run.mat", asked).v, V)
+
+
 # -- files -------------------------------------------------------------------------------------------------------------
 
 
