@@ -131,7 +131,9 @@ LEFT_OVER = 0.1
 
 
 class Fit(NamedTuple):
-    """Numbers fitted to the steps between samples, their standard deviations, and the defect left in each step."""
+    """Numbers fitted to the steps between samples, their standard deviations, and the defect left
+    in each step.
+    """
 
     value: np.ndarray
     error: np.ndarray
@@ -139,7 +141,9 @@ class Fit(NamedTuple):
 
 
 class Case:
-    """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps."""
+    """Samples of a solution whose faults are to be explained, and the exact motion over each of
+    their steps.
+    """
 
     # `offset` is the number of the first of them among all samples of the `check`; `near` are
     # distances from a belt that count as on it; `sizes` the defects in units of the allowed ones;
@@ -202,26 +206,36 @@ class Case:
         return left_limits(self.sizes)
 
     def share(self, left: np.ndarray) -> float:
-        """Return the `explained_share` of a cause, given the defects `left` that it leaves in all steps."""
+        """Return the `explained_share` of a cause, given the defects `left` that it leaves in all
+        steps.
+        """
         return explained_share(self.sizes, left)
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return `ends`, computed states at the ends of `steps`, minus the samples there, divided by the allowed."""
+        """Return `ends`, computed states at the ends of `steps`, minus the samples there, divided
+        by the allowed.
+        """
         return np.asarray((ends - self.steps.states[steps + 1]) / self.allowed[steps])
 
     def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return for each of `steps` the larger of its misses in x and in v, of `misses(ends, steps)`, without sign."""
+        """Return for each of `steps` the larger of its misses in x and in v, of `misses(ends,
+        steps)`, without sign.
+        """
         return larger(self.misses(ends, steps))
 
     def defects_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return all defects, divided by the allowed, for parameters `p` and with `ahead` added to all times."""
+        """Return all defects, divided by the allowed, for parameters `p` and with `ahead` added to
+        all times.
+        """
         s = self.steps
         return np.asarray(
             follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed
         )
 
     def share_mended_by(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-        """Return the fraction of wrong steps that become right if t, x, v, perhaps fewer, are taken as the samples."""
+        """Return the fraction of wrong steps that become right if t, x, v, perhaps fewer, are taken
+        as the samples.
+        """
         if len(t) < 2:
             return 0.0
         # Most changes are refused by a few steps about the largest defect.
@@ -239,7 +253,9 @@ class Case:
         return mended_share(before, larger(after.defects / np.median(self.allowed, axis=0)))
 
     def thinned(self, chosen: np.ndarray, most: int) -> np.ndarray:
-        """Return the step numbers `chosen` or, if these are more than `most`, so many of them, evenly selected."""
+        """Return the step numbers `chosen` or, if these are more than `most`, so many of them,
+        evenly selected.
+        """
         if len(chosen) <= most:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
@@ -271,7 +287,8 @@ class Case:
     def flight_misses(
         self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None
     ) -> np.ndarray:
-        """Return how far flights over steps miss the next samples in x and v, divided by the allowed defects.
+        """Return how far flights over steps miss the next samples in x and v, divided by the
+        allowed defects.
 
         The steps are those numbered `chosen`, or else all that lie inside a domain. Each flight has
         the force of the domain of its first sample, the constants `K` of another system, and a
@@ -286,7 +303,8 @@ class Case:
     def integrated(
         self, force: Callable[[float, float, float], float], chosen: np.ndarray
     ) -> np.ndarray:
-        """Return how far an equation with another `force` misses the ends of steps, in units of the allowed.
+        """Return how far an equation with another `force` misses the ends of steps, in units of the
+        allowed.
 
         `force(x, v, phase)` is the acceleration. The result has rows x, v.
         """
@@ -318,12 +336,15 @@ def larger(misses: np.ndarray) -> np.ndarray:
 
 
 def left_limits(before: np.ndarray) -> np.ndarray:
-    """Return what a cause may leave of each of the defects `before`, in units of the allowed ones."""
+    """Return what a cause may leave of each of the defects `before`, in units of the allowed
+    ones.
+    """
     return np.maximum(1.0, FITS * np.nan_to_num(before, nan=0.0, posinf=0.0))
 
 
 def explained_share(before: np.ndarray, left: np.ndarray) -> float:
-    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps).
+    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong
+    steps).
 
     `before` and `left` are the sizes of the defects without and with the cause, in units of the
     allowed ones; steps in which `left` is NaN are not counted. The result is 0 if the first wrong
@@ -408,7 +429,8 @@ def fitted(
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return by how much to change a single fitted number, and the standard deviation of the number.
+    """Return by how much to change a single fitted number, and the standard deviation of the
+    number.
 
     It is the weighted median of the changes that the single steps ask for. `here` are the misses of
     the steps, `J` the derivatives of these misses with respect to the number.

@@ -35,7 +35,7 @@ Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
 POSITIONS_ALONE = ("with positions alone", None, lambda t, x, v: (t, x, None))
 
 
-# -- signs, places and units -------------------------------------------------------------------------------------------
+# -- signs, places and units -----------------------------------------------------------------------
 
 #: Sizes of other units, as factors.
 SIZES = {1000.0: "1000 times too large", 100.0: "100 times too large", 0.01: "100 times too small",
@@ -43,7 +43,9 @@ SIZES = {1000.0: "1000 times too large", 100.0: "100 times too large", 0.01: "10
 
 
 def other_columns(case: Case) -> Iterator[Candidate]:
-    """Yield every change of columns that people make by mistake, with the fraction of wrong steps that it explains."""
+    """Yield every change of columns that people make by mistake, with the fraction of wrong steps
+    that it explains.
+    """
     s = case.steps
     for candidate in changed_columns(case.parameters, s.t, s.x, s.v):
         columns = candidate.columns(s.t, s.x, s.v)  # type: ignore[misc]
@@ -150,7 +152,7 @@ def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
     return t, x, v
 
 
-# -- how the columns were made -----------------------------------------------------------------------------------------
+# -- how the columns were made ---------------------------------------------------------------------
 
 
 def velocity_column(case: Case) -> Iterator[Candidate]:
@@ -204,7 +206,9 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
 
 
 def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
-    """Return the first sample whose velocity the positions determine, and the velocities from that sample on."""
+    """Return the first sample whose velocity the positions determine, and the velocities from that
+    sample on.
+    """
     s = case.steps
     tolerance = float(case.allowed[0, 0] / case.scales[0])
     try:
@@ -217,7 +221,8 @@ def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
 
 
 def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
-    """Return the exact velocities at times beside the samples from number `first` on, which have velocities `v`.
+    """Return the exact velocities at times beside the samples from number `first` on, which have
+    velocities `v`.
 
     A positive `part` puts each time before its sample, by this fraction of the step to the sample;
     a negative one puts it after, by the fraction -`part` of the next step. NaN for a sample without
@@ -277,7 +282,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
     )
 
 
-# -- the clock ---------------------------------------------------------------------------------------------------------
+# -- the clock -------------------------------------------------------------------------------------
 
 
 def even_times(case: Case) -> Iterator[Candidate]:
@@ -364,7 +369,7 @@ def _are_single(t: np.ndarray) -> bool:
     return single and not np.array_equal(t, np.rint(t))
 
 
-# -- the numbers themselves, and the list of events --------------------------------------------------------------------
+# -- the numbers themselves, and the list of events ------------------------------------------------
 
 
 def event_list_faults(check: Verdict) -> Iterator[Diagnosis]:
@@ -406,7 +411,8 @@ def outliers(case: Case) -> Iterator[Candidate]:
         share = float(
             np.mean(np.isin(check.wrong_steps, rows) | np.isin(check.wrong_steps + 1, rows))
         )
-        words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {rows[0]}"
+        are = "is" if len(off) == 1 else "are"
+        words = f"{counted(len(off), 'sample')} {are} off, the first is number {rows[0]}"
         size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
         diagnosis = Diagnosis("noise", "", words, "", size, None, share)
         how = "without them" if rows[1:] else "without it"
@@ -418,7 +424,9 @@ def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Co
 
 
 def noise(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise makes them."""
+    """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise
+    makes them.
+    """
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
     # Times in single precision make such defects too, of x and v that are right.

@@ -71,10 +71,9 @@ def crosscheck(
     t, x, v : array_like, shape (n,)
         Times, which may come twice where two pieces are joined, positions and velocities. Without
         `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v), or a
-        matrix of states, (n, 2) or (2, n). Or give
-        `t` alone: whatever `symosc.crosschecks.reading.solutions.read_solutions` reads (a file, an OdeResult, a
-        DataFrame, a function, ...), or a list of such: pieces of one solution, each beginning where
-        one ends, or several solutions.
+        matrix of states, (n, 2) or (2, n). Or give `t` alone: whatever `symosc check` reads (a file,
+        an OdeResult, a DataFrame, a function, ...), or a list of such: pieces of one solution, each
+        beginning where one ends, or several solutions.
     events : pairs (t, kind), optional
         What the solver reported, in order of time; kind "cross", "stick", "slip" or "graze". Each
         exact event must be there once, as near in time as the tolerance and the errors of the

@@ -126,7 +126,7 @@ def _candidates(case: Case, cause: Cause) -> Iterator[Candidate]:
             yield candidate._replace(diagnosis=replace(candidate.diagnosis, share=share))
 
 
-# -- the check repeated with a change ----------------------------------------------------------------------------------
+# -- the check repeated with a change --------------------------------------------------------------
 
 
 class Repeated:
@@ -199,7 +199,7 @@ class Repeated:
         return again
 
 
-# -- what is said where no cause is named ------------------------------------------------------------------------------
+# -- what is said where no cause is named ----------------------------------------------------------
 
 
 def _start(check: Verdict) -> Iterator[Diagnosis]:

@@ -110,7 +110,9 @@ class EventVerdicts:
         return None
 
     def _own_time(self, i: int) -> float | None:
-        """Return when exact event number `i` occurs if the motion restarts at every sample, None if it does not."""
+        """Return when exact event number `i` occurs if the motion restarts at every sample, None if
+        it does not.
+        """
         if self.local[i] is None:
             return None
         return float(self.steps.events.t[self.local[i]])
@@ -189,7 +191,9 @@ class EventVerdicts:
             self.notes.append(note)
 
     def _allow_events_of_the_samples(self) -> None:
-        """Set aside listed events that the exact motion has only if it restarts at every sample, in a right step."""
+        """Set aside listed events that the exact motion has only if it restarts at every sample, in
+        a right step.
+        """
         events = self.steps.events
         used = {row for row in self.local if row is not None}
         for j in sorted(self.reported_free):
@@ -213,7 +217,9 @@ class EventVerdicts:
                     break
 
     def _allow_close_events(self) -> None:
-        """Set aside unpaired events among exact events at one belt that are too close in time to be told apart."""
+        """Set aside unpaired events among exact events at one belt that are too close in time to be
+        told apart.
+        """
         partners = {id(match.event): match.found for match in self.matched}
         numbers = {id(event): j for j, event in enumerate(self.reported)}
         clusters: list[list[int]] = []
@@ -236,7 +242,9 @@ class EventVerdicts:
                 self._set_aside(loose, self.exact_free & set(cluster))
 
     def _allow_near_grazes(self) -> None:
-        """Set aside listed contacts where the exact motion nearly touches a belt, closer than the tolerance."""
+        """Set aside listed contacts where the exact motion nearly touches a belt, closer than the
+        tolerance.
+        """
         runs: list[list[int]] = []
         for j in sorted(self.reported_free):
             time = self.reported[j].t
@@ -254,7 +262,9 @@ class EventVerdicts:
                 self._set_aside(run, ())
 
     def _set_aside(self, reported: Iterable[int], exact: Iterable[int]) -> None:
-        """Set the events with these numbers aside as unresolved: they do not count in the verdict."""
+        """Set the events with these numbers aside as unresolved: they do not count in the
+        verdict.
+        """
         numbers = sorted(exact)
         self.unresolved += [self.exact[i] for i in numbers]
         self.exact_free -= set(numbers)

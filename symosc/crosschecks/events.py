@@ -104,7 +104,7 @@ class Match:
         return self.t - float(self.event.t)
 
 
-# -- events that samples show ------------------------------------------------------------------------------------------
+# -- events that samples show ----------------------------------------------------------------------
 
 
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
@@ -130,7 +130,8 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
 def find_events(
     steps: ExactSteps, label: np.ndarray, wrong: np.ndarray
 ) -> tuple[list[FoundEvent], np.ndarray]:
-    """Return the events that the mode codes `label` of the samples show, in order of time, and corrected codes.
+    """Return the events that the mode codes `label` of the samples show, in order of time, and
+    corrected codes.
 
     The corrected codes are 0 for samples at a belt that only pass or graze it, and those of `label`
     for all others. `wrong` marks the wrong steps.
@@ -147,7 +148,9 @@ def find_events(
     since = 0
 
     def move_to(domain: int, sample: int) -> None:
-        """Record the slip and the crosses that lead from the last mode to `domain`, where the mass is at `sample`."""
+        """Record the slip and the crosses that lead from the last mode to `domain`, where the mass
+        is at `sample`.
+        """
         nonlocal now
         if now > 3:
             entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
@@ -201,7 +204,9 @@ def find_events(
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
-    """Mark samples at the same belt as the sample before if the step between is right and does not stick to it."""
+    """Mark samples at the same belt as the sample before if the step between is right and does not
+    stick to it.
+    """
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     held[steps.events.step[steps.events.target == label[steps.events.step]]] = True
     flown = (label[:-1] > 3) & (label[1:] == label[:-1]) & ~held & ~wrong & (np.diff(steps.t) > 0.0)
@@ -223,7 +228,9 @@ class _Reader:
         self.begin = np.searchsorted(steps.events.step, np.arange(len(steps.first) + 1)).tolist()
 
     def is_stick(self, mode: int, first: int, last: int) -> bool:
-        """Return whether samples `first` to `last`, all at one belt, stick to it, and do not only cross or graze it."""
+        """Return whether samples `first` to `last`, all at one belt, stick to it, and do not only
+        cross or graze it.
+        """
         events = self.steps.events
         held = 0.0
         for i in range(first, min(last, len(self.wrong) - 1) + 1):
@@ -240,9 +247,18 @@ class _Reader:
         return held >= 1e-9 * self.steps.K.period
 
     def event(
-        self, kind: str, boundary: int, source: int, target: int, step: int, last_step: int, sample: int | None
-    ) -> FoundEvent:  # fmt: skip
-        """Return an event; its time is that of the exact motion over the steps, or of `sample`, or estimated by v."""
+        self,
+        kind: str,
+        boundary: int,
+        source: int,
+        target: int,
+        step: int,
+        last_step: int,
+        sample: int | None,
+    ) -> FoundEvent:
+        """Return an event; its time is that of the exact motion over the steps, or of `sample`, or
+        estimated by v.
+        """
         last_step = min(last_step, len(self.first) - 1)
         i = step
         j = last_step + 1

@@ -227,7 +227,8 @@ def explain(
     allowed: np.ndarray,
     near: np.ndarray,
 ) -> tuple[Fault, ...]:
-    """Return a `Fault` with a guess at the cause for each of the wrong steps with the numbers `chosen`.
+    """Return a `Fault` with a guess at the cause for each of the wrong steps with the numbers
+    `chosen`.
 
     `modes` are the mode codes of the samples, 0 where a sample only passes a belt. `allowed` is the
     defect in x and v up to which each step is right, and `sizes` the defect of each step divided by

@@ -40,11 +40,13 @@ MOST_FREQUENCIES = 4000
 QUARTER = 1e-4
 
 
-# -- systems that people write by mistake ------------------------------------------------------------------------------
+# -- systems that people write by mistake ----------------------------------------------------------
 
 
 def other_systems(case: Case) -> Iterator[Candidate]:
-    """Yield each common modelling mistake that explains the wrong steps, with a change that tests it."""
+    """Yield each common modelling mistake that explains the wrong steps, with a change that tests
+    it.
+    """
     p = case.parameters
     seen = {case.parameters}
     flights = case.thinned(case.inside_wrong, MOST_FLIGHTS)
@@ -78,13 +80,15 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
     Om = float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
         yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
-    swapped = f"the belts are swapped: belt 1 has mu2 = {float(p.mu2):g}, belt 2 has mu1 = {float(p.mu1):g}"
+    of_belts = f"belt 1 has mu2 = {float(p.mu2):g}, belt 2 has mu1 = {float(p.mu1):g}"
+    swapped = f"the belts are swapped: {of_belts}"
     yield "swapped belts", "", swapped, "mu1 and mu2 swapped", {"mu1": p.mu2, "mu2": p.mu1}
     if p.mu1 + p.mu2:
         yield "coefficient", "FN", "there is no friction at all (FN = 0)", "FN = 0", {"FN": 0}
     changes: list[tuple[str, Any, str]] = [
         ("Omega", Om * 2 * pi, "times 2 pi"), ("Omega", Om / (2 * pi), "divided by 2 pi"),
-        ("Omega", Om * pi / 180, "Omega t in degrees"), ("Omega", Om * 180 / pi, "Omega in degrees"),
+        ("Omega", Om * pi / 180, "Omega t in degrees"),
+        ("Omega", Om * 180 / pi, "Omega in degrees"),
         ("Omega", Om * Om, "its square"), ("Omega", 2 * Om, "twice"), ("Omega", Om / 2, "half"),
         ("m", m * m, "divided by twice"), ("m", 1.0, "left out"),
         ("m", m * 1000, "times 1000"), ("m", m / 1000, "/1000"),
@@ -114,7 +118,9 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
 
 
 def _wrong_signs(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that friction, spring or damper has the wrong sign, by integration over steps."""
+    """Yield the diagnosis that friction, spring or damper has the wrong sign, by integration over
+    steps.
+    """
     p = case.parameters
     K = case.steps.K
     steps = case.telling
@@ -149,11 +155,13 @@ def _wrong_signs(case: Case) -> Iterator[Candidate]:
         yield Candidate(Diagnosis("sign", name, words, evidence), left=case.leaving(sizes, steps))
 
 
-# -- fitted coefficients -----------------------------------------------------------------------------------------------
+# -- fitted coefficients ---------------------------------------------------------------------------
 
 
 def coefficients(case: Case) -> Iterator[Candidate]:
-    """Yield for each parameter the diagnosis that it is wrong, its value fitted to flights (v1, v2: wrong steps)."""
+    """Yield for each parameter the diagnosis that it is wrong, its value fitted to flights (v1, v2:
+    wrong steps).
+    """
     for name in PARAMETER_NAMES:
         if name not in ("v1", "v2"):
             yield from _coefficient(case, name, _fit_flights(case, name))
@@ -203,7 +211,9 @@ def _median(sizes: np.ndarray) -> float:
 
 
 def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
-    """Yield the diagnosis of a wrong coefficient, with its fitted value to the digits that are significant."""
+    """Yield the diagnosis of a wrong coefficient, with its fitted value to the digits that are
+    significant.
+    """
     if fit is None or len(case.moving_wrong) < FEWEST_FITTED:
         return
     value = float(fit.value[0])
@@ -352,7 +362,7 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
     return np.asarray(grid[np.argsort(left)[:FEW_FAR]])
 
 
-# -- the clock, and the phase of the drive ----------------------------------------------------------
+# -- the clock, and the phase of the drive ---------------------------------------------------------
 
 
 def phases_of_drive(case: Case) -> Iterator[Candidate]:

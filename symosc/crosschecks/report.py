@@ -156,7 +156,9 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
         return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
 
     def _figures(self) -> list[str]:
-        """Return lines about how many samples, steps and events are right, and the largest errors."""
+        """Return lines about how many samples, steps and events are right, and the largest
+        errors.
+        """
         worst = np.max(np.abs(self.defects), axis=0)
         limits = self.limits_there
         verdict = "ok" if self.ok else "FAILED"
@@ -172,7 +174,9 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
         ]
 
     def _beyond_limits(self) -> Iterator[str]:
-        """Yield lines about the start, the end, the global error and the spans, where these are wrong."""
+        """Yield lines about the start, the end, the global error and the spans, where these are
+        wrong.
+        """
         if self.wrong_start:
             yield f"wrong start: {self.wrong_start} (own_start=True, --own-start: allowed)"
         if self.early_end:
@@ -193,7 +197,9 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
             yield f"wrong over {last - first} steps, beyond the rounding: {spans}"
 
     def _about_events(self) -> Iterator[str]:
-        """Yield lines about the worst of the matched events, and the first missed and invented ones."""
+        """Yield lines about the worst of the matched events, and the first missed and invented
+        ones.
+        """
         if self.matched:
             late = max(self.matched, key=lambda match: abs(match.error))
             where = f"at t = {float(late.event.t):.10g}"
@@ -286,7 +292,9 @@ def _plain_fault(fault: Fault | None) -> Record | None:
 
 
 def _first_lines(name: str, items: Sequence[str]) -> list[str]:
-    """Return the first items as lines that begin with `name`, and a line with the number of items left out."""
+    """Return the first items as lines that begin with `name`, and a line with the number of items
+    left out.
+    """
     lines = [f"{name}: {item}" for item in items[:EVENTS_LISTED]]
     if len(items) > EVENTS_LISTED:
         lines.append(f"{name}: and {len(items) - EVENTS_LISTED} more")
@@ -314,7 +322,8 @@ class CrossChecks(list[CrossCheck]):
     >>> from symosc import crosscheck, simulate
     >>> t = np.linspace(0, 7, 200)
     >>> x, v = simulate("fig5", t_end=7)(t)
-    >>> checks = crosscheck("fig5", [{"t": t, "x": x, "v": v}, {"t": t, "x": x, "v": v + (t > 5)}], partial=True)
+    >>> right, wrong = {"t": t, "x": x, "v": v}, {"t": t, "x": x, "v": v + (t > 5)}
+    >>> checks = crosscheck("fig5", [right, wrong], partial=True)
     >>> [check.ok for check in checks], checks.ok
     ([True, False], False)
     """
@@ -330,7 +339,8 @@ class CrossChecks(list[CrossCheck]):
 
     def __repr__(self) -> str:
         right = sum(check.ok for check in self)
-        return f"<CrossChecks of {counted(len(self), 'solution')}: {right:,} ok, {len(self) - right:,} failed>"
+        wrong = len(self) - right
+        return f"<CrossChecks of {counted(len(self), 'solution')}: {right:,} ok, {wrong:,} failed>"
 
     def summary(self) -> str:
         """Return the findings as lines of text.
@@ -340,8 +350,9 @@ class CrossChecks(list[CrossCheck]):
         failed = [
             (name, check) for name, check in zip(self.names, self, strict=True) if not check.ok
         ]
+        verdict = "FAILED" if failed else "ok"
         lines = [
-            f"{'FAILED' if failed else 'ok'}: {counted(len(self), 'solution')}, {len(failed):,} failed",
+            f"{verdict}: {counted(len(self), 'solution')}, {len(failed):,} failed",
             f"largest global error: {max(check.max_error_x for check in self):.2e} in x, "
             f"{max(check.max_error_v for check in self):.2e} in v",
         ]

@@ -1,4 +1,5 @@
-"""The exact motion over each step of samples, restarted from every sample, and the error bounds of right samples.
+"""The exact motion over each step of samples, restarted from every sample, and the error bounds of
+right samples.
 
 Two motions of one scene never move apart. Friction falls with the velocity, so for the differences
 X and V of two motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the sign of V), through
@@ -53,11 +54,13 @@ STEPS_TOGETHER = 1 << 16
 CLEARANCE = 1e-9
 
 
-# -- how far right samples may be off ----------------------------------------------------------------------------------
+# -- how far right samples may be off --------------------------------------------------------------
 
 
 def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
-    """Bound the difference [x, v] of two exact motions that differed by `off` a time `tau` ago, with any events."""
+    """Bound the difference [x, v] of two exact motions that differed by `off` a time `tau` ago,
+    with any events.
+    """
     if not np.any(off):
         return np.zeros(2)
     x = off[..., 0]
@@ -87,7 +90,8 @@ def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndar
 
 
 def push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
-    """Return the largest possible acceleration at given |x| and |v|, whatever the phase and the domain.
+    """Return the largest possible acceleration at given |x| and |v|, whatever the phase and the
+    domain.
 
     Domains that no mass with the largest of the given |v| is in do not count.
     """
@@ -101,7 +105,9 @@ def push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> A
 
 
 def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.ndarray:
-    """Bound the errors of x and v of each sample, (n, 2), given the rounding of its t, x and v, (3, n)."""
+    """Bound the errors of x and v of each sample, (n, 2), given the rounding of its t, x and v, (3,
+    n).
+    """
     if samples.v_off is None and not np.any(rounding):
         return np.broadcast_to(0.0, (len(samples.t), 2))
     t, x, v = rounding
@@ -116,7 +122,7 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
     )
 
 
-# -- the exact motion over the steps -----------------------------------------------------------------------------------
+# -- the exact motion over the steps ---------------------------------------------------------------
 
 
 class StepEvents(NamedTuple):
@@ -171,7 +177,9 @@ class ExactSteps:
         return min(max(int(low), 0), last), min(max(int(high), 0), last)
 
     def flight(self, domain: Any, since: Any, until: Any) -> np.ndarray:
-        """Return x, v of flights from samples `since`, at the times of samples `until`, with the force of `domain`."""
+        """Return x, v of flights from samples `since`, at the times of samples `until`, with the
+        force of `domain`.
+        """
         return self.fly(
             domain, self.x[since], self.v[since], self.theta[since], self.t[until] - self.t[since]
         )
@@ -179,7 +187,9 @@ class ExactSteps:
     def fly(
         self, domain: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray
     ) -> np.ndarray:
-        """Return x, v after flights over times `tau` with the force of `domain`, one number or an array."""
+        """Return x, v after flights over times `tau` with the force of `domain`, one number or an
+        array.
+        """
         K = self.K
         s = np.sin(theta)
         c = np.cos(theta)
@@ -292,11 +302,12 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
     return np.asarray(np.where(theta >= TWO_PI, 0.0, theta))
 
 
-# -- steps in which surely nothing happens -----------------------------------------------------------------------------
+# -- steps in which surely nothing happens ---------------------------------------------------------
 
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers of starts that certainly have no event for a time `left`, and their states [x, v] after it.
+    """Return the numbers of starts that certainly have no event for a time `left`, and their states
+    [x, v] after it.
 
     `rows` are starts as `engine.start.start_rows` makes them.
     """
@@ -339,7 +350,7 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     return numbers[quiet], ends[quiet]
 
 
-# -- steps that need the event search ----------------------------------------------------------------------------------
+# -- steps that need the event search --------------------------------------------------------------
 
 
 def _follow(
@@ -384,7 +395,9 @@ def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:
 def _ends(
     rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants
 ) -> np.ndarray:
-    """Return the final state [x, v] of each row in closed form, from its last event or, without one, its start."""
+    """Return the final state [x, v] of each row in closed form, from its last event or, without
+    one, its start.
+    """
     theta = rows["theta"].copy()
     x = rows["x"].copy()
     v = rows["v"].copy()

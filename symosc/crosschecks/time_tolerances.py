@@ -49,7 +49,9 @@ class TimeTolerances:
         return self._tolerance(t, x, theta, event.boundary, MODES[event.source])
 
     def of_row(self, row: int) -> float:
-        """Return by how much a solver's time of the exact event in one `row` of `steps.events` may be off."""
+        """Return by how much a solver's time of the exact event in one `row` of `steps.events` may
+        be off.
+        """
         events = self.steps.events
         step = int(events.step[row])
         boundary = int(events.boundary[row])
@@ -62,7 +64,9 @@ class TimeTolerances:
         return self._tolerance(t, x, theta, boundary, source)
 
     def of_start(self, boundary: int) -> float:
-        """Return how long after the first sample a solver may list its start on a belt as an event."""
+        """Return how long after the first sample a solver may list its start on a belt as an
+        event.
+        """
         t = float(self.steps.t[0])
         x = float(self.steps.x[0])
         theta = float(self.steps.theta[0])
@@ -95,7 +99,9 @@ class TimeTolerances:
         return REACH_SAFETY * sqrt(2.0 * spread / abs(b))
 
     def _acceleration(self, x: float, v: float, theta: float, domain: int) -> float:
-        """Return the acceleration of the mass at a state x, v and phase theta, with the force of a domain."""
+        """Return the acceleration of the mass at a state x, v and phase theta, with the force of a
+        domain.
+        """
         K = self.steps.K
         return float(
             acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)

@@ -38,7 +38,7 @@ from symosc.crosschecks.steps import (
 from symosc.crosschecks.time_tolerances import TimeTolerances
 from symosc.crosschecks.velocities import with_velocities
 from symosc.model import Parameters
-from symosc.scenes import STARTS, Scene
+from symosc.scenes import STARTS, Scene, parameters_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
 
@@ -80,9 +80,7 @@ class Task:
     @property
     def parameters(self) -> Parameters:
         """The parameters of the exact motion."""
-        if isinstance(self.scene, Parameters):
-            return self.scene
-        return self.scene.parameters
+        return parameters_of(self.scene)
 
     @property
     def limit(self) -> float:
@@ -96,7 +94,9 @@ class Task:
         return replace(self, samples=replace(self.samples, t=t, x=x, v=v))
 
     def motion(self, t_end: float, start: Record) -> Trajectory:
-        """Return the exact motion from a start to t_end, cut short if it has far more events than there are samples."""
+        """Return the exact motion from a start to t_end, cut short if it has far more events than
+        there are samples.
+        """
         most = 2_000 + 10 * len(self.samples.t)
         return simulate(self.scene, t_end=t_end, max_events=most, **start)
 
@@ -226,7 +226,9 @@ def judge(task: Task) -> Verdict:
 
 
 def _prepared(task: Task) -> Task:
-    """Return the task with velocities, if these were not given, and with the rounding of its samples."""
+    """Return the task with velocities, if these were not given, and with the rounding of its
+    samples.
+    """
     samples = task.samples
     if samples.lacks_v:
         samples = with_velocities(samples, task.scene, task.tolerance)
@@ -275,7 +277,8 @@ def _first_right(task: Task, units: np.ndarray, listed: np.ndarray) -> Verdict:
 
 
 def _cut_off(comparison: Comparison) -> Verdict | None:
-    """Return the verdict on the samples as if their digits had been cut off; None if they still fail.
+    """Return the verdict on the samples as if their digits had been cut off; None if they still
+    fail.
 
     Half a unit is added, so that each sample is in the middle of the numbers that it may be.
     """
@@ -321,7 +324,8 @@ def _coarser(comparison: Comparison, verdict: Verdict) -> Verdict | None:
 
 
 class Start(NamedTuple):
-    """The start of the exact motion, and a note if the first sample is not on the motion of the scene.
+    """The start of the exact motion, and a note if the first sample is not on the motion of the
+    scene.
 
     `numbers` are t0, x0 and v0, or none: the scene's own, which may have more digits.
     """
@@ -383,7 +387,8 @@ def _early_end(task: Task, trajectory: Trajectory) -> str:
     missing = min(usual, 0.05 * (t_end - float(scene.t0)))  # one step, as of arange
     if last + (1.0 + 1e-9) * missing >= t_end:
         return ""
-    return f"the solution ends at t = {last:.10g}; the motion of {scene.name} goes on to t = {t_end:.10g}"
+    goes_on = f"the motion of {scene.name} goes on to t = {t_end:.10g}"
+    return f"the solution ends at t = {last:.10g}; {goes_on}"
 
 
 # -- samples beside the exact motion ---------------------------------------------------------------
@@ -456,7 +461,8 @@ class Comparison:
         return np.asarray(limits + loose + propagated(task.parameters, loose[0], since))
 
     def _wrong_spans(self) -> np.ndarray:
-        """Return the spans (first and last sample) over which samples are off by more than their rounding explains.
+        """Return the spans (first and last sample) over which samples are off by more than their
+        rounding explains.
 
         The tolerances of the steps of a span add up. The length is chosen at which many spans, and
         a great part of all, are wrong.
@@ -508,7 +514,8 @@ class Comparison:
         )
 
     def _match(self, shown: list[FoundEvent], label: np.ndarray) -> EventVerdicts:
-        """Match the exact events with the solver's list of events or, if it has none, with those `shown`.
+        """Match the exact events with the solver's list of events or, if it has none, with those
+        `shown`.
 
         The events `shown` were read off the samples; `label` are the mode codes of the samples.
         """
@@ -551,7 +558,9 @@ class Comparison:
         return exact
 
     def _time_tolerances(self) -> TimeTolerances:
-        """Return how far times of events may be off, as the errors of the samples that are allowed let them."""
+        """Return how far times of events may be off, as the errors of the samples that are allowed
+        let them.
+        """
         errors = np.abs(self.errors)
         within = np.where(np.isnan(errors), 0.0, np.fmin(errors, self.limits))
         allowed_v = self.task.tolerance * float(self.scales[1])

@@ -266,7 +266,9 @@ def step_figure(
 
 
 def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> None:
-    """Draw the velocity or the position in a step, with the exact motion from its first sample on."""
+    """Draw the velocity or the position in a step, with the exact motion from its first sample
+    on.
+    """
     if of_velocity:
         values = check.v
         name = "$v$"

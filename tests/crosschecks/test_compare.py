@@ -22,7 +22,7 @@ from symosc.crosschecks import compare
 from symosc.crosschecks.samples import checked
 from symosc.crosschecks.velocities import NOTE, with_velocities
 
-# -- compare -----------------------------------------------------------------------------------------------------------
+# -- compare ---------------------------------------------------------------------------------------
 
 
 def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
@@ -157,7 +157,9 @@ def test_a_solution_goes_on_to_the_end_of_the_scene() -> None:
 @pytest.mark.slow
 @sample_of(8, 60)
 def test_right_samples_of_random_systems_pass(count: int) -> None:
-    """However coarse, with samples on events or without, at large times, and with noise of 1e-10."""
+    """However coarse, with samples on events or without, at large times, and with noise of
+    1e-10.
+    """
     rng = np.random.default_rng(5)
     events = 0
     for _ in range(count):
@@ -179,7 +181,7 @@ def test_right_samples_of_random_systems_pass(count: int) -> None:
     assert events > 8 * count
 
 
-# -- compare parts -----------------------------------------------------------------------------------------------------
+# -- compare parts ---------------------------------------------------------------------------------
 
 
 def test_arguments_are_read() -> None:
@@ -199,7 +201,7 @@ def test_arguments_are_read() -> None:
     assert len(crosscheck("fig5", {"t": t, "x": x, "v": v}, events=listed).matched) == len(listed)
 
 
-# -- many --------------------------------------------------------------------------------------------------------------
+# -- many ------------------------------------------------------------------------------------------
 
 
 WRONG = {**COLUMNS, "v": V + 0.1 * (T > 2)}
@@ -230,12 +232,14 @@ def test_processes_find_the_same() -> None:
             crosscheck("fig9", sparse, workers=workers)
 
 
-# -- units -------------------------------------------------------------------------------------------------------------
+# -- units -----------------------------------------------------------------------------------------
 
 
 @cache
 def samples(name: str) -> tuple[Parameters, np.ndarray, CrossCheck]:
-    """Return a scene's parameters, samples of its motion with several faults, and what a cross-check says of them."""
+    """Return a scene's parameters, samples of its motion with several faults, and what a
+    cross-check says of them.
+    """
     scene = load_scene(name)
     t = np.linspace(float(scene.t0), float(scene.t0) + 8, 97)
     x, v = simulate(scene, t_end=9)(t)
@@ -281,7 +285,7 @@ def test_a_cross_check_is_the_same(units: Units, name: str) -> None:
     assert len(one.faults) > 2
 
 
-# -- velocities --------------------------------------------------------------------------------------------------------
+# -- velocities ------------------------------------------------------------------------------------
 
 
 def test_velocities_are_those_of_the_motion() -> None:
@@ -345,4 +349,4 @@ def test_positions_that_are_too_far_apart_are_refused() -> None:
     assert not crosscheck("fig9", np.linspace(0.1324, 5, 9), np.linspace(1, 9, 9)).ok
 
 
-# -- faults ------------------------------------------------------------------------------------------------------------
+# -- faults ----------------------------------------------------------------------------------------

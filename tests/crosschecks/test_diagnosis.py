@@ -22,7 +22,7 @@ from symosc.model import PARAMETER_NAMES
 
 pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of steps
 
-# -- diagnosis ---------------------------------------------------------------------------------------------------------
+# -- diagnosis -------------------------------------------------------------------------------------
 
 
 # Steps that are followed, and integrated, at most: measured by the test of the work.
@@ -89,7 +89,7 @@ def judge_counts(counts: Counter[tuple[str, str]]) -> None:
         assert counts[kinds, "false"] == 0
 
 
-# -- causes on thin evidence -------------------------------------------------------------------------------------------
+# -- causes on thin evidence -----------------------------------------------------------------------
 
 
 def test_a_cause_explains_the_first_wrong_step_and_the_largest_one() -> None:
@@ -140,7 +140,9 @@ def test_a_belt_ignored_in_flight_is_a_missed_event(number: int) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [201, 60])
 def test_a_stick_that_is_held_too_long_does_not_drift(count: int) -> None:
-    """One stick of fig5 is 5 % too long, with v on the belt; from its end on the motion is exact."""
+    """One stick of fig5 is 5 % too long, with v on the belt; from its end on the motion is
+    exact.
+    """
     motion = simulate("fig5", t_end=9)
     stick = next(part for part in motion.segments if part.mode == "belt1")
     begin = float(stick.t_start)
@@ -171,7 +173,9 @@ def test_smoothed_friction_and_a_sample_that_is_off_are_not_smoothed_friction_al
 
 @pytest.mark.parametrize("name", ["fig5", "fig9"])
 def test_weights_beyond_one_are_no_large_steps(name: str) -> None:
-    """On coarse, even samples any linear method errs by one linear map; smaller steps do not help this one."""
+    """On coarse, even samples any linear method errs by one linear map; smaller steps do not help
+    this one.
+    """
     (case,) = (case for case in cases() if case.scene.name == name)
     for kind, cause in (("weights beyond one", "unknown"), ("fixed step", "steps too large")):
         judged = judge(kind, case, "coarse", 91)
@@ -209,7 +213,9 @@ def test_a_cause_explains_the_largest_defect_wherever_it_is() -> None:
 def test_a_diagnosis_has_a_bounded_amount_of_work(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where nothing explains the samples, so everything is tried: counted in steps, not in seconds."""
+    """Where nothing explains the samples, so everything is tried: counted in steps, not in
+    seconds.
+    """
     import scipy.integrate
 
     followed = 0
@@ -295,10 +301,10 @@ def test_right_steps_from_another_start() -> None:
     assert [one.cause for one in check.diagnosis] == ["start"]
 
 
-# -- data clues --------------------------------------------------------------------------------------------------------
+# -- data clues ------------------------------------------------------------------------------------
 
 
-# -- other models ------------------------------------------------------------------------------------------------------
+# -- other models ----------------------------------------------------------------------------------
 
 
 OTHER_MODELS_T = np.linspace(0.5, 12, 240)
@@ -334,7 +340,7 @@ def test_a_wrong_coefficient_is_estimated(name: str) -> None:
     assert found[0].error < 1e-3 * abs(value)
 
 
-# -- numbers of the faults ---------------------------------------------------------------------------------------------
+# -- numbers of the faults -------------------------------------------------------------------------
 
 
 MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {

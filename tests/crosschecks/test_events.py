@@ -14,7 +14,7 @@ from symosc.crosschecks.events import find_events, labels
 from symosc.crosschecks.steps import follow_steps
 from symosc.model import MODE_NAMES
 
-# -- events ------------------------------------------------------------------------------------------------------------
+# -- events ----------------------------------------------------------------------------------------
 
 WHAT = ("kind", "boundary", "source", "target")
 
@@ -76,7 +76,7 @@ def test_steps_that_are_wrong_show_crossings_between_their_samples() -> None:
     assert modes.tolist() == [1, 1, 3, 1]
 
 
-# -- matching ----------------------------------------------------------------------------------------------------------
+# -- matching --------------------------------------------------------------------------------------
 
 
 Pairs = list[tuple[float, str]]
@@ -88,7 +88,9 @@ def listed(trajectory: Trajectory, until: float = np.inf) -> Pairs:
 
 
 def random_motion(rng: np.random.Generator) -> tuple[Parameters, Any, Trajectory]:
-    """Return parameters, samples at random times (half of the events among them) and the exact motion."""
+    """Return parameters, samples at random times (half of the events among them) and the exact
+    motion.
+    """
     p = random_parameters(rng)
     t0 = float(rng.choice([0.0, 3.5, 1e6]))
     v0 = float(rng.choice([float(p.v1), float(p.v2), round(rng.uniform(-6, 8), 2)]))
@@ -104,7 +106,9 @@ def random_motion(rng: np.random.Generator) -> tuple[Parameters, Any, Trajectory
 def spoiled(
     how: str, events: Pairs, i: int, rng: np.random.Generator, times: np.ndarray
 ) -> Pairs | None:
-    """Return a list with one mistake, at event `i` where there is a place, or None if there is no room for it."""
+    """Return a list with one mistake, at event `i` where there is a place, or None if there is no
+    room for it.
+    """
     (t, kind) = events[i]
     events = list(events)
     shift = float(rng.choice([-1, 1])) * 10.0 ** rng.uniform(-4, -1.3)

@@ -25,7 +25,7 @@ from symosc.crosschecks.reading.solutions import solutions_in
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.solver_runs import run_solver
 
-# -- objects -----------------------------------------------------------------------------------------------------------
+# -- objects ---------------------------------------------------------------------------------------
 
 
 PROBLEM = load_scene("fig9")
@@ -187,7 +187,7 @@ def test_what_is_no_solution_is_one_line(source: Any) -> None:
     assert len(str(caught.value)) < 300
 
 
-# -- functions ---------------------------------------------------------------------------------------------------------
+# -- functions -------------------------------------------------------------------------------------
 
 
 FIG9 = load_scene("fig9")
@@ -228,7 +228,7 @@ def test_what_is_no_solution_of_a_function() -> None:
         crosscheck("fig9", lambda t: (np.nan, 1))
 
 
-# -- solver runs -------------------------------------------------------------------------------------------------------
+# -- solver runs -----------------------------------------------------------------------------------
 
 
 SOURCE = """
@@ -292,7 +292,7 @@ def test_a_function_gets_the_problem(
         assert "solver_runs.py" not in str(caught.value)
 
 
-# -- columns -----------------------------------------------------------------------------------------------------------
+# -- columns ---------------------------------------------------------------------------------------
 
 
 def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
@@ -331,7 +331,7 @@ def test_events_of_a_solver_are_at_a_belt_relative_to_the_largest_velocity(
     assert samples.events == (((1.0, ""),) if there else None)
 
 
-# -- samples -----------------------------------------------------------------------------------------------------------
+# -- samples ---------------------------------------------------------------------------------------
 
 
 SAMPLES_T = np.linspace(0.1324, 3, 30)

@@ -17,7 +17,7 @@ from symosc import crosscheck as strict
 from symosc import load_scene, simulate
 from symosc.crosschecks.rounding import find_digits
 
-# -- rounding ----------------------------------------------------------------------------------------------------------
+# -- rounding --------------------------------------------------------------------------------------
 
 
 Round = Callable[[Any], np.ndarray]
@@ -49,7 +49,7 @@ def test_digits_are_counted(kind: Any, count: int) -> None:
         assert np.max(np.abs(cut(values) - values) / digits.units) > 0.3
 
 
-# -- rounded solutions -------------------------------------------------------------------------------------------------
+# -- rounded solutions -----------------------------------------------------------------------------
 
 
 RUNS = [
@@ -61,7 +61,9 @@ RUNS = [
 
 @pytest.mark.parametrize(("count", "samples"), RUNS)
 def test_wrong_solutions_are_found(count: int, samples: int) -> None:
-    """More than 20 last places off somewhere, with 0 to 5 decimals, against the scene or its parameters."""
+    """More than 20 last places off somewhere, with 0 to 5 decimals, against the scene or its
+    parameters.
+    """
     missed = []
     for number, wrong in enumerate(wrong_solutions(count, count, samples)):
         if number % 4:
@@ -149,7 +151,7 @@ def test_the_global_tolerance_is_obeyed_beside_the_rounding() -> None:
     assert strict("fig5", t, *exact, global_tolerance=1e-12).ok
 
 
-# -- false alarms ------------------------------------------------------------------------------------------------------
+# -- false alarms ----------------------------------------------------------------------------------
 
 
 #: Significant digits, decimals, steps of a converter in bits; None: all digits.

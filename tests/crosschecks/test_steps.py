@@ -15,7 +15,7 @@ from symosc.crosschecks.steps import follow_steps, propagated, sample_errors
 from symosc.engine.events import KIND_NAMES
 from symosc.model import MODE_NAMES
 
-# -- steps one by one --------------------------------------------------------------------------------------------------
+# -- steps one by one ------------------------------------------------------------------------------
 
 
 def test_steps_are_those_of_single_motions() -> None:
@@ -131,7 +131,7 @@ def test_a_time_is_in_the_step_that_begins_with_it_and_outside_in_the_nearest() 
     )
 
 
-# -- allowed -----------------------------------------------------------------------------------------------------------
+# -- allowed ---------------------------------------------------------------------------------------
 
 
 def test_rounded_samples_may_be_off_by_their_rounding_and_that_of_their_times() -> None:

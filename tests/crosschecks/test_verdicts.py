@@ -1,4 +1,6 @@
-"""Verdicts that were wrong: belts that are never met, positions alone, ends at events, lists, matrices, chatter."""
+"""Verdicts that were wrong: belts that are never met, positions alone, ends at events, lists,
+matrices, chatter.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ from symosc import CrossCheck, Parameters, Scene, load_scene, simulate
 from symosc.crosschecks import compare, events, velocities
 from symosc.crosschecks.steps import StepEvents
 
-# -- a belt that is never met ------------------------------------------------------------------------------------------
+# -- a belt that is never met ----------------------------------------------------------------------
 
 ONE_BELT = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega=2, v1=0, v2=3, mu1=1, mu2=0, FN="0.1")
 FAR = [3, 100, 10**6, 10**9]
@@ -72,7 +74,9 @@ def test_a_belt_that_is_never_met_blames_nothing(shape: str) -> None:
 
 @pytest.mark.parametrize("v2", FAR)
 def test_events_of_a_users_own_function_are_no_contacts(v2: int) -> None:
-    """An event x = 0, of which one may happen on a belt: in a stick, where v is the belt's speed."""
+    """An event x = 0, of which one may happen on a belt: in a stick, where v is the belt's
+    speed.
+    """
     p = ONE_BELT.replace(v2=v2)
     exact = simulate(p, t0=0, x0=1, v0=0, t_end=20)
     states = of(p)
@@ -98,12 +102,14 @@ def test_a_motion_at_rest_has_units() -> None:
     assert crosscheck(p, TIMES, 0 * x, 0 * x).ok
 
 
-# -- positions alone ---------------------------------------------------------------------------------------------------
+# -- positions alone -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["fig5", "fig6", "fig7", "fig8", "fig9", "fig10"])
 def test_positions_at_any_spacing(name: str) -> None:
-    """Positions of the exact motion, as close together at its events as the steps of scipy's solve_ivp."""
+    """Positions of the exact motion, as close together at its events as the steps of scipy's
+    solve_ivp.
+    """
     rng = np.random.default_rng(5)
     scene = load_scene(name)
     t_end = min(float(scene.t_end), 12.0)
@@ -123,7 +129,9 @@ def test_positions_at_any_spacing(name: str) -> None:
 
 @pytest.mark.parametrize("before", [1e-8, 1e-7, 1e-6, 1e-5])
 def test_a_position_just_before_the_first_stick(before: float) -> None:
-    """The positions of the step to the next sample are those of a stick, but v is not yet the belt's."""
+    """The positions of the step to the next sample are those of a stick, but v is not yet the
+    belt's.
+    """
     p = Parameters(
         m="1.251", c=0, k="2.08", A0="0.078", B0="5.984", Omega="2.054", v1="-0.091", v2=100,
         mu1="0.415", mu2="0.237", FN="16.635",
@@ -159,13 +167,15 @@ def test_positions_at_the_steps_of_scipy(method: str) -> None:
     assert check.ok, check.summary()
 
 
-# -- ends at, just before and just after an event ----------------------------------------------------------------------
+# -- ends at, just before and just after an event --------------------------------------------------
 
 
 @pytest.mark.parametrize("off", [-1e-10, -1e-13, -4e-16, 0.0, 4e-16, 1e-13, 1e-10])
 @pytest.mark.parametrize("number", [0, 1, 6, pytest.param(None, marks=pytest.mark.slow)])
 def test_a_solution_may_end_at_its_terminal_event(number: int | None, off: float) -> None:
-    """Every event of fig5 ends a solution, which locates it early, late or exactly; in every shape."""
+    """Every event of fig5 ends a solution, which locates it early, late or exactly; in every
+    shape.
+    """
     exact = simulate("fig5")
     assert len(exact.events) == 16
     belts = {boundary: float(exact.parameters.belt(boundary)) for boundary in (1, 2)}
@@ -202,11 +212,13 @@ def test_a_solution_may_end_at_its_terminal_event(number: int | None, off: float
             assert check.ok, (i, shape, check.summary())
 
 
-# -- events that a list lacks ------------------------------------------------------------------------------------------
+# -- events that a list lacks ----------------------------------------------------------------------
 
 
 def crossings() -> tuple[Parameters, Any]:
-    """Return a scene without friction, and DOP853's result, which steps over the contacts with belt 2."""
+    """Return a scene without friction, and DOP853's result, which steps over the contacts with belt
+    2.
+    """
     p = Parameters(m=1, c=0, k=0, A0=0, B0=1, Omega=1, v1="0.2", v2="0.9999", mu1=0, mu2=0, FN=0)
     functions = [lambda t, y: y[1] - 0.2, lambda t, y: y[1] - 0.9999]
     result = solve_ivp(
@@ -226,7 +238,9 @@ def test_events_that_a_solver_lacks_are_missed() -> None:
 
 
 def test_what_the_times_of_a_solver_claim() -> None:
-    """All contacts at a belt, or all from one side; no slips; nothing about a belt that no function looks for."""
+    """All contacts at a belt, or all from one side; no slips; nothing about a belt that no function
+    looks for.
+    """
     exact = simulate("fig5")
     t = np.linspace(0, 40, 2001)
     reached = [event for event in exact.events if event.kind in ("stick", "cross")]
@@ -259,7 +273,7 @@ def test_what_the_times_of_a_solver_claim() -> None:
         assert crosscheck(p, one_way).ok
 
 
-# -- matrices of states ------------------------------------------------------------------------------------------------
+# -- matrices of states ----------------------------------------------------------------------------
 
 
 def of_ode45() -> dict[str, Any]:
@@ -309,13 +323,15 @@ def test_positions_beside_events_of_a_solver_need_no_option() -> None:
     assert crosscheck("fig5", given).ok
 
 
-# -- how much work a verdict is ----------------------------------------------------------------------------------------
+# -- how much work a verdict is --------------------------------------------------------------------
 
 
 def test_the_work_of_a_verdict_grows_with_the_samples_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Chatter, v = 0, 2, 0, 2 at steps of 1e-9, makes every step wrong and invents an event in each."""
+    """Chatter, v = 0, 2, 0, 2 at steps of 1e-9, makes every step wrong and invents an event in
+    each.
+    """
     explained: list[int] = []
     searched: list[int] = []
     plain, rows, read = compare.explain, StepEvents.rows, events.find_events
@@ -347,7 +363,9 @@ def test_the_work_of_a_verdict_grows_with_the_samples_alone(
 def test_positions_of_no_motion_are_not_fitted_for_long(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Rounded positions of another spring: a start that fails at the first of them is fitted to no more."""
+    """Rounded positions of another spring: a start that fails at the first of them is fitted to no
+    more.
+    """
     p = load_scene("fig5").parameters
     t = np.linspace(0, 40, count)
     x = simulate(p.replace(k=2 * p.k), t0=0, x0=0, v0=0, t_end=40)(t)[0]
