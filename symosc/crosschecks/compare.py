@@ -33,7 +33,7 @@ from symosc.base.exact import read_exact
 from symosc.crosschecks.events import FoundEvent, Match
 from symosc.crosschecks.reading.objects import of_function
 from symosc.crosschecks.reading.solutions import read_solutions
-from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all
+from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all, shown
 from symosc.crosschecks.samples import Samples, checked, checked_events
 from symosc.crosschecks.verdict import Task, judge
 from symosc.model import Parameters
@@ -147,7 +147,7 @@ def crosscheck(
     solutions = _solutions(scene, t, x, v, events, columns)
     count = read_workers(workers)
     if len(solutions) == 1:
-        return CrossCheck.of(judge(task(solutions[0])))
+        return shown(judge(task(solutions[0])))
     return check_all(task, solutions, count, progress)
 
 

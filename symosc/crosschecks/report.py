@@ -122,14 +122,6 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
     _drawn_by = "crosscheck_figure"
     _made_by = "crosscheck(...)"
 
-    @classmethod
-    def of(cls, verdict: Verdict) -> CrossCheck:
-        """Return a verdict as a result that can be shown."""
-        values = {part.name: getattr(verdict, part.name) for part in fields(verdict)}
-        if verdict.coarser is not None:
-            values["coarser"] = cls.of(verdict.coarser)
-        return cls(**values)
-
     @cached_property
     def diagnosis(self) -> tuple[Diagnosis, ...]:
         """The probable causes, the most probable first; computed on first access."""
@@ -267,6 +259,14 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
             "diagnosis": [asdict(diagnosis) for diagnosis in self.diagnosis],
             "notes": list(self.notes),
         }
+
+
+def shown(verdict: Verdict) -> CrossCheck:
+    """Return a verdict as a result that can be shown, with the probable causes."""
+    values = {part.name: getattr(verdict, part.name) for part in fields(verdict)}
+    if verdict.coarser is not None:
+        values["coarser"] = shown(verdict.coarser)
+    return CrossCheck(**values)
 
 
 def _event_text(event: Event | FoundEvent) -> str:
@@ -432,7 +432,7 @@ def _judged(task: Callable[[Samples], Task], name: str, samples: Samples) -> Cro
     Add the solution's `name` to a ParameterError.
     """
     try:
-        return CrossCheck.of(judge(task(samples)))
+        return shown(judge(task(samples)))
     except ParameterError as error:
         what = f"{error.allowed} (solution {name})"
         raise ParameterError(error.name, error.value, what) from None
