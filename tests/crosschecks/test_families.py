@@ -407,7 +407,8 @@ def test_wrong_solutions_are_never_right(count: int) -> None:
     """A solution is wrong if it is further from the right one than the documented limit for the
     whole solution.
     """
-    passed, counted = [], Counter[str]()
+    passed = []
+    counted = Counter[str]()
     for wrong in islice((wrong for wrong in wrong_solutions(11) if wrong.deviation > 1.0), count):
         counted[wrong.name.partition(",")[0]] += 1
         check = judged(wrong.problem, wrong.given)

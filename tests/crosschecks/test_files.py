@@ -273,8 +273,8 @@ def test_numbers_are_read_however_they_are_written() -> None:
             lines.insert(
                 rng.randint(0, len(lines)), rng.choice(["", "# why", "% 1 2", "// t x", " "])
             )
-        found = read(rng.choice(["\n", "\r\n", "\r"]).join(lines) + rng.choice(["", "\n"]))
-        assert {name: column.tolist() for name, column in found.items()} == columns, lines
+        columns_read = read(rng.choice(["\n", "\r\n", "\r"]).join(lines) + rng.choice(["", "\n"]))
+        assert {name: column.tolist() for name, column in columns_read.items()} == columns, lines
 
 
 # -- octave ----------------------------------------------------------------------------------------

@@ -97,10 +97,10 @@ def test_positions_alone_are_a_solution_without_velocities() -> None:
         np.testing.assert_array_equal(samples.x, X)
 
 
-def names_of(found: list[Samples]) -> list[str]:
-    for samples in found:
+def names_of(solutions: list[Samples]) -> list[str]:
+    for samples in solutions:
         np.testing.assert_array_equal([samples.t, samples.x, samples.v], [T, X, V])
-    return [samples.name for samples in found]
+    return [samples.name for samples in solutions]
 
 
 def test_several_solutions_in_one_object() -> None:
@@ -260,8 +260,8 @@ def test_a_function_gets_the_problem(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
     for module in ("solver_of_a_test", str(tmp_path / "solver_of_a_test.py")):
-        found = run_solver(f"{module}:solve", scene)
-        assert found == {
+        solution = run_solver(f"{module}:solve", scene)
+        assert solution == {
             "t": [start[0], start[3]],
             "x": [start[1]] * 2,
             "v": [start[2], float(scene.parameters.k)],

@@ -17,7 +17,7 @@ from scipy.io import savemat
 from scipy.optimize import brentq
 
 from symosc import CrossCheck, Parameters, Scene, load_scene, simulate
-from symosc.crosschecks import compare, events, velocities
+from symosc.crosschecks import velocities, verdict
 from symosc.crosschecks.steps import StepEvents
 
 # -- a belt that is never met ----------------------------------------------------------------------
@@ -32,7 +32,7 @@ def of(p: Parameters, t: np.ndarray = TIMES) -> np.ndarray:
     return np.asarray(simulate(p, t0=0, x0=1, v0=0, t_end=20)(t))
 
 
-def verdict(check: CrossCheck) -> tuple[Any, ...]:
+def findings(check: CrossCheck) -> tuple[Any, ...]:
     """Return what may not depend on a belt that is never met."""
     counts = [len(part) for part in (check.matched, check.missed, check.invented, check.unresolved)]
     faults = [(fault.step, fault.reason) for fault in check.faults]
@@ -57,19 +57,19 @@ def test_a_belt_that_is_never_met_hides_no_fault(kind: str) -> None:
     near, *far = (crosscheck(ONE_BELT.replace(v2=v2), TIMES, *states) for v2 in FAR)
     assert not near.ok
     for check in far:
-        assert verdict(check) == verdict(near)
+        assert findings(check) == findings(near)
 
 
 @pytest.mark.parametrize("shape", ["columns", "positions", "decimals"])
 def test_a_belt_that_is_never_met_blames_nothing(shape: str) -> None:
     x, v = of(ONE_BELT)
-    given = {"columns": (x, v), "positions": (x,), "decimals": (np.round(x, 4), np.round(v, 4))}
-    near, *far = (crosscheck(ONE_BELT.replace(v2=v2), TIMES, *given[shape]) for v2 in FAR)
+    columns = {"columns": (x, v), "positions": (x,), "decimals": (np.round(x, 4), np.round(v, 4))}
+    near, *far = (crosscheck(ONE_BELT.replace(v2=v2), TIMES, *columns[shape]) for v2 in FAR)
     assert near.ok, near.summary()
     # The units are those of the motion: its largest |x| and |v|.
     assert near.scales == pytest.approx(np.max(np.abs([x, v]), axis=1), rel=1e-3)
     for check in far:
-        assert verdict(check) == verdict(near)
+        assert findings(check) == findings(near)
 
 
 @pytest.mark.parametrize("v2", FAR)
@@ -89,7 +89,8 @@ def test_events_of_a_users_own_function_are_no_contacts(v2: int) -> None:
     assert crosscheck(p, result).ok
     stick = next(part for part in exact.segments if part.mode == "belt1")
     inside = [float(stick.t_start + stick.t_end) / 2]
-    result.t_events, result.y_events = [inside], [exact(inside).T]
+    result.t_events = [inside]
+    result.y_events = [exact(inside).T]
     assert crosscheck(p, result).ok
 
 
@@ -196,7 +197,8 @@ def test_a_solution_may_end_at_its_terminal_event(number: int | None, off: float
             SimpleNamespace(t=t[part], y=np.array([x[part], v[part]]), success=True)
             for part in (slice(0, middle + 1), slice(middle, None))
         ]
-        pieces[1].t_events, pieces[1].y_events = [[end]], [[[x[-1], v[-1]]]]
+        pieces[1].t_events = [[end]]
+        pieces[1].y_events = [[[x[-1], v[-1]]]]
         shapes: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
             "arrays": ((t, x, v), {}),
             "positions": ((t, x), {}),
@@ -207,8 +209,8 @@ def test_a_solution_may_end_at_its_terminal_event(number: int | None, off: float
             "function": ((t, exact), {}),
             "table": (({"t": t, "x": x, "v": v, "te": times, "xe": states},), {}),
         }
-        for shape, (given, options) in shapes.items():
-            check = crosscheck("fig5", *given, **options)
+        for shape, (solution, options) in shapes.items():
+            check = crosscheck("fig5", *solution, **options)
             assert check.ok, (i, shape, check.summary())
 
 
@@ -231,8 +233,8 @@ def crossings() -> tuple[Parameters, Any]:
 def test_events_that_a_solver_lacks_are_missed() -> None:
     p, result = crossings()
     listed = [(time, "cross") for time in result.t_events[0]]
-    for given, options in (((result,), {}), ((result.t, *result.y), {"events": listed})):
-        check = crosscheck(p, *given, **options)
+    for solution, options in (((result,), {}), ((result.t, *result.y), {"events": listed})):
+        check = crosscheck(p, *solution, **options)
         assert (check.ok, len(check.matched), len(check.missed)) == (False, 4, 4)
         assert {event.boundary for event in check.missed} == {2}
 
@@ -267,7 +269,8 @@ def test_what_the_times_of_a_solver_claim() -> None:
     assert len(contacts) == 8
     assert missed([]) == missed([], []) == 0  # no list is about a belt
     p, result = crossings()
-    up, down = result.t_events[0][::2], result.t_events[0][1::2]
+    up = result.t_events[0][::2]
+    down = result.t_events[0][1::2]
     for times in (up, down):
         one_way = SimpleNamespace(t=result.t, y=result.y, t_events=[times], success=True)
         assert crosscheck(p, one_way).ok
@@ -293,12 +296,12 @@ def of_ode45() -> dict[str, Any]:
 
 @pytest.mark.parametrize("names", [("t", "x"), ("t", "x", "te", "xe", "ie")])
 def test_states_of_ode45(names: tuple[str, ...], tmp_path: Path) -> None:
-    given = {name: of_ode45()[name] for name in names}
+    variables = {name: of_ode45()[name] for name in names}
     path = tmp_path / "run.mat"
-    savemat(path, given)
-    rows = given | {"t": given["t"].ravel(), "x": given["x"].T}
-    wrong = given | {"x": given["x"] + 1e-3 * (given["t"] > 0.5)}
-    for source in (given, path, rows):
+    savemat(path, variables)
+    rows = variables | {"t": variables["t"].ravel(), "x": variables["x"].T}
+    wrong = variables | {"x": variables["x"] + 1e-3 * (variables["t"] > 0.5)}
+    for source in (variables, path, rows):
         check = crosscheck("fig5", source)
         assert isinstance(check, CrossCheck)
         assert check.ok, check.summary()
@@ -307,20 +310,20 @@ def test_states_of_ode45(names: tuple[str, ...], tmp_path: Path) -> None:
     assert isinstance(check, CrossCheck)
     assert not check.ok
     if "te" in names:
-        fewer = given | {name: given[name][1:] for name in ("te", "xe", "ie")}
+        fewer = variables | {name: variables[name][1:] for name in ("te", "xe", "ie")}
         assert len(crosscheck("fig5", fewer).missed) == 1
 
 
 def test_states_as_two_arguments() -> None:
-    given = of_ode45()
-    for t, x in ((given["t"], given["x"]), (given["t"].ravel(), given["x"].T)):
+    variables = of_ode45()
+    for t, x in ((variables["t"], variables["x"]), (variables["t"].ravel(), variables["x"].T)):
         assert crosscheck("fig5", t, x).ok
 
 
 def test_positions_beside_events_of_a_solver_need_no_option() -> None:
-    given = of_ode45()
-    given["x"] = given["x"][:, 0]
-    assert crosscheck("fig5", given).ok
+    variables = of_ode45()
+    variables["x"] = variables["x"][:, 0]
+    assert crosscheck("fig5", variables).ok
 
 
 # -- how much work a verdict is --------------------------------------------------------------------
@@ -334,7 +337,9 @@ def test_the_work_of_a_verdict_grows_with_the_samples_alone(
     """
     explained: list[int] = []
     searched: list[int] = []
-    plain, rows, read = compare.explain, StepEvents.rows, events.find_events
+    plain = verdict.explain
+    rows = StepEvents.rows
+    read = verdict.find_events
 
     def explain(steps: Any, chosen: Any, *others: Any) -> Any:
         explained.append(len(chosen))
@@ -345,9 +350,9 @@ def test_the_work_of_a_verdict_grows_with_the_samples_alone(
         return rows(self, first, last)
 
     looked = []
-    monkeypatch.setattr(compare, "explain", explain)
+    monkeypatch.setattr(verdict, "explain", explain)
     monkeypatch.setattr(StepEvents, "rows", counted)
-    monkeypatch.setattr(compare, "find_events", lambda *given: looked.append(1) or read(*given))
+    monkeypatch.setattr(verdict, "find_events", lambda *taken: looked.append(1) or read(*taken))
     for count in (2_000, 20_000):
         t = np.arange(count) * 1e-9
         check = crosscheck("fig5", t, 0 * t, np.arange(count) % 2 * 2.0)
