@@ -63,18 +63,19 @@ def changed_columns(
     """
     for change in (*_other_signs(p), *_other_units(p)):
         error = None
-        if change.factor is not None:
+        if change.value is not None:
             error = 0.0
+            # The path from x must be as long as that from v.
             if not _is_same_way(*change.columns(t, x, v)):
                 continue
-        diagnosis = Diagnosis(change.cause, change.subject, change.words, "", change.factor, error)
+        diagnosis = Diagnosis(change.cause, change.subject, change.words, "", change.value, error)
         yield Candidate(diagnosis, change.how, columns=change.columns)
 
 
 class Change(NamedTuple):
     """What somebody may have done to the columns by mistake, and how to undo it.
 
-    `how` says what the columns then are, such as "with -x"; `factor` is that of other units.
+    `how` says what the columns then are, such as "with -x"; `value` is the factor of other units, or the speed of a belt.
     """
 
     cause: str
@@ -82,7 +83,7 @@ class Change(NamedTuple):
     words: str
     how: str
     columns: Callable[..., Columns]
-    factor: float | None = None
+    value: float | None = None
 
 
 def _other_signs(p: Parameters) -> Iterator[Change]:
@@ -97,7 +98,8 @@ def _other_signs(p: Parameters) -> Iterator[Change]:
         speed = float(p.belt(boundary))
         if speed:
             words = f"v is the velocity relative to belt {boundary}"
-            yield Change("columns", "v", words, f"with v + v{boundary}", partial(_faster, speed))
+            how = f"with v + v{boundary}"
+            yield Change("columns", "v", words, how, partial(_faster, speed), speed)
     how = "with v of the next sample"
     make = lambda t, x, v: (t[:-1], x[:-1], v[1:])  # noqa: E731
     yield Change("columns", "v", "v is one sample late", how, make)
