@@ -18,11 +18,11 @@ from .certificates.atlas import Atlas as Atlas
 from .certificates.atlas import atlas as atlas
 from .certificates.certificate import Certificate as Certificate
 from .certificates.certify import certify as certify
-from .crosschecks.causes import Fault as Fault
 from .crosschecks.compare import CrossCheck as CrossCheck
 from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent
 from .crosschecks.events import Match as Match
+from .crosschecks.faults import Fault as Fault
 from .engine.events import Event as Event
 from .grazing.check import GrazingReport as GrazingReport
 from .grazing.check import check_grazing as check_grazing

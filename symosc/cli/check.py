@@ -171,7 +171,9 @@ def cases(folder: Text, group: Text, events: bool) -> None:
 
 
 def case_row(case: ReferenceCase, events: bool) -> Record:
-    """Return what the list of cases says of one; `events` asks for what takes a proof or a simulation."""
+    """Return what the list of cases says of one; `events` asks for what takes a proof or a
+    simulation.
+    """
     row: Record = {"name": case.name, "group": case.group}
     if events:
         row["events"] = case.count

@@ -1,21 +1,18 @@
-"""The causes of wrong samples.
-
-Their descriptions, a guess for each wrong step, and the samples to try them on.
-"""
+"""The causes of wrong samples: their descriptions, and the samples to try them on."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from symosc.crosschecks.steps import ExactSteps, follow_steps
+from symosc.crosschecks.steps import follow_steps
+from symosc.crosschecks.verdict import Verdict
 from symosc.engine.flow import Constants
-from symosc.friction import MODE_NAMES
 from symosc.model import Parameters
 
 #: Causes by name, in words. The last five say what is wrong where no cause is.
@@ -110,187 +107,6 @@ class Candidate(NamedTuple):
         return self.diagnosis.cause, self.diagnosis.subject
 
 
-# -- a guess for each wrong step ---------------------------------------------------------------------------------------
-
-#: Reasons by name, in words.
-REASONS = {
-    "jump": "a jump where two pieces are joined",
-    "wrong force": "wrong friction force",
-    "outlier": "a sample off by itself",
-    "event at the start": "an event at the start of the step",
-    "sign tolerance": "sign tolerance",
-    "drift on the belt": "drift on the belt",
-    "double root": "a belt met and left within the step",
-    "crossing inside the step": "a crossing inside the step",
-    "undecidable": "a contact that cannot be decided",
-    "local error": "an error inside a domain",
-}
-# Another motion explains a step if its defect is at most this fraction of the exact motion's
-# defect.
-EXPLAINS = 0.02
-
-
-@dataclass(frozen=True)
-class Fault:
-    """A wrong step: the exact motion from its first sample does not reach the next one.
-
-    Attributes
-    ----------
-    step : int
-        From sample `step` to the next one.
-    t, t_next : float
-    defect_x, defect_v : float
-        Exact motion minus the next sample.
-    expected, found : str
-        Mode at the end of the step: of the exact motion, and of the samples ("" where they are
-        passing a belt).
-    reason : str
-        A guess at the cause, one of REASONS.
-    words : str
-        The guess in words.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from symosc import crosscheck, simulate
-    >>> t = np.linspace(0, 7, 200)
-    >>> x, v = simulate("fig5", t_end=7)(t)
-    >>> v[100] += 0.1
-    >>> crosscheck("fig5", t, x, v).first_wrong.words
-    'without sample 100 the step from 99 to 101 is right'
-    """
-
-    step: int
-    t: float
-    t_next: float
-    defect_x: float
-    defect_v: float
-    expected: str
-    found: str
-    reason: str
-    words: str
-
-    @property
-    def wrong_decision(self) -> bool:
-        """Whether the samples stick, slip or cross where the exact motion does otherwise."""
-        return self.found not in ("", self.expected)
-
-
-def explain(
-    steps: ExactSteps,
-    chosen: Sequence[int],
-    modes: np.ndarray,
-    sizes: np.ndarray,
-    allowed: np.ndarray,
-    near: np.ndarray,
-) -> tuple[Fault, ...]:
-    """Return a `Fault` with a guess at the cause for each of the wrong steps that have the numbers `chosen`.
-
-    `modes` are the mode codes of the samples, 0 where a sample only passes a belt. `allowed` is the
-    defect in x and v up to which each step is right, and `sizes` the defect of each step divided by
-    it. A sample is on a belt if its v differs from the belt's speed by at most `near`.
-    """
-    since = np.array(chosen, dtype=int)
-    misses = []  # of flights with the force of each domain, to the next sample and to the one after
-    for n in (1, 2):
-        until = np.minimum(since + n, len(steps.t) - 1)
-        gaps = np.array(
-            [steps.flight(domain, since, until) - steps.states[until] for domain in (1, 2, 3)]
-        )
-        misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
-
-    def guess(i: int, to_next: np.ndarray, over_next: np.ndarray) -> tuple[str, str]:
-        """Return why step `i` is probably wrong: a key of REASONS, and a sentence about this step.
-
-        Three flights from sample i, one with the force of each domain, miss the next sample by
-        `to_next`, and the sample after that by `over_next`; both are arrays of three numbers in
-        units of the allowed defect.
-        """
-        if not np.isfinite(sizes[i]):
-            return (
-                "undecidable",
-                "the exact motion over the step cannot be decided in double precision",
-            )
-        if steps.t[i + 1] == steps.t[i]:
-            return "jump", f"samples {i} and {i + 1} are at one time and differ"
-        first = int(steps.first[i])
-        last = int(steps.last[i])
-        found = int(modes[i + 1])
-        rows = steps.events.rows(i, i)
-        limit = max(1.0, EXPLAINS * float(sizes[i]))
-        times = steps.events.t[rows]
-        fitting = (1 + np.flatnonzero(to_next <= limit)).tolist()
-        at_once = len(times) and times[0] - steps.t[i] <= 1e-6 * steps.K.period
-        gaps = steps.v[i : i + 2] - steps.belts[:, None]
-        nearest = int(np.argmin(np.abs(gaps[:, 0]))) + 1
-        here = f"v - v{nearest} = {gaps[nearest - 1, 0]:.2g} at its start"
-        near_start = abs(gaps[nearest - 1, 0]) <= near[i]
-        if (
-            last > 3
-            and found == last
-            and abs(gaps[last - 4, 1]) > 0.0
-            and abs(steps.defects[i, 0]) <= allowed[i, 0]
-        ):
-            return (
-                "drift on the belt",
-                f"v should be v{last - 3} in the stick and is off by {gaps[last - 4, 1]:.2g}",
-            )
-        if fitting and not len(times) and first <= 3:
-            return (
-                "wrong force",
-                f"the force of Omega{fitting[0]} explains the step, which lies in Omega{first}",
-            )
-        if first > 3 and found <= 3:
-            return (
-                "event at the start",
-                f"the mass sticks to belt {first - 3} here, the samples leave it ({here})",
-            )
-        if fitting and near_start and (not len(times) or at_once):
-            return (
-                "event at the start",
-                f"the force of Omega{fitting[0]} explains the step ({here})",
-            )
-        if found <= 3 and first <= 3 and at_once:
-            return "sign tolerance", f"{here}: the step begins on the wrong side of the belt"
-        if found > 3 and last <= 3 and modes[i] == found:
-            return (
-                "sign tolerance",
-                f"the mass leaves belt {found - 3}, the samples stay on it ({here})",
-            )
-        if len(times) and last == first and found == first:
-            what = f"the motion meets belt {steps.events.boundary[rows][0]} at t = {times[0]:.10g} and is back at t ="
-            return (
-                "double root",
-                f"{what} {times[-1]:.10g}; signs at the ends of the step do not show it",
-            )
-        if not len(times) and i + 2 < len(steps.t) and first <= 3 and over_next[first - 1] <= limit:
-            left = over_next[first - 1]
-            if left <= 1.0:
-                part = "is right"
-            else:
-                part = f"is off by {left / sizes[i]:.0e} of that"
-            return "outlier", f"without sample {i + 1} the step from {i} to {i + 2} {part}"
-        if len(times):
-            if fitting:
-                force = f"; the force of Omega{fitting[0]} was kept"
-            else:
-                force = ""
-            what = f"{MODE_NAMES[first]} -> {MODE_NAMES[int(steps.events.target[rows][0])]} at t = {times[0]:.10g}"
-            return "crossing inside the step", what + force
-        what = f"the step lies in {MODE_NAMES[first]} and has no event"
-        return "local error", what
-
-    found = []
-    for k, i in enumerate(chosen):
-        (t, t_next) = steps.t[i : i + 2].tolist()
-        (dx, dv) = steps.defects[i].tolist()
-        expected = MODE_NAMES[int(steps.last[i])]
-        mode = MODE_NAMES.get(int(modes[i + 1]), "")
-        reason, words = guess(i, misses[0][:, k], misses[1][:, k])
-        found.append(Fault(i, t, t_next, dx, dv, expected, mode, reason, words))
-    return tuple(found)
-
-
 # -- causes tried on the wrong steps ---------------------------------------------------------------
 
 # Number of steps on which causes are tried, and how many of them may come before the first wrong
@@ -315,7 +131,9 @@ LEFT_OVER = 0.1
 
 
 class Fit(NamedTuple):
-    """Numbers fitted to the steps between samples, their standard deviations, and the defect left in each step."""
+    """Numbers fitted to the steps between samples, their standard deviations, and the defect left
+    in each step.
+    """
 
     value: np.ndarray
     error: np.ndarray
@@ -323,7 +141,9 @@ class Fit(NamedTuple):
 
 
 class Case:
-    """Samples of a solution whose faults are to be explained, and the exact motion over each of their steps."""
+    """Samples of a solution whose faults are to be explained, and the exact motion over each of
+    their steps.
+    """
 
     # `offset` is the number of the first of them among all samples of the `check`; `near` are
     # distances from a belt that count as on it; `sizes` the defects in units of the allowed ones;
@@ -332,20 +152,20 @@ class Case:
     # motion, and `inside_wrong` and `flights_wrong` those of them that are wrong, and their
     # fraction.
 
-    def __init__(self, check: Any, around: int) -> None:
-        """Follow the exact motion over the samples of a `CrossCheck` around a wrong step."""
+    def __init__(self, check: Verdict, around: int) -> None:
+        """Follow the exact motion over the samples of a `Verdict` around a wrong step."""
         low = max(0, min(around - MOST_BEFORE, len(check.t) - MOST_TRIED_STEPS - 1))
         part = slice(low, low + MOST_TRIED_STEPS + 1)
-        self.check, self.offset, self.parameters = check, low, check.trajectory.parameters
-        self.allowed, self.scales = (
-            check.allowed[part.start : part.stop - 1],
-            np.array(check.scales),
-        )
+        self.check = check
+        self.offset = low
+        self.parameters = check.trajectory.parameters
+        self.allowed = check.allowed[part.start : part.stop - 1]
+        self.scales = np.array(check.scales)
         self.near = np.append(self.allowed[:1, 1], self.allowed[:, 1])
-        s = follow_steps(
-            self.parameters, check.t[part], check.x[part], check.v[part], self.near, self.scales
-        )
-        self.steps, self.sizes = s, np.max(np.abs(s.defects) / self.allowed, axis=1)
+        samples = (check.t[part], check.x[part], check.v[part])
+        s = follow_steps(self.parameters, *samples, self.near, self.scales)
+        self.steps = s
+        self.sizes = np.max(np.abs(s.defects) / self.allowed, axis=1)
         moving = np.diff(s.t) > 0.0
         self.wrong = ~(self.sizes <= 1.0)
         self.moving_wrong = np.flatnonzero(self.wrong & moving)
@@ -357,10 +177,9 @@ class Case:
         inside[s.events.step] = False
         self.inside = np.flatnonzero(inside & moving & np.isfinite(self.sizes))
         self.inside_wrong = self.inside[self.wrong[self.inside]]
+        self.flights_wrong = 0.0
         if len(self.inside):
             self.flights_wrong = float(np.mean(self.wrong[self.inside]))
-        else:
-            self.flights_wrong = 0.0
 
     @cached_property
     def telling(self) -> np.ndarray:
@@ -387,26 +206,36 @@ class Case:
         return left_limits(self.sizes)
 
     def share(self, left: np.ndarray) -> float:
-        """Return the `explained_share` of a cause, given the defects `left` that it leaves in all steps."""
+        """Return the `explained_share` of a cause, given the defects `left` that it leaves in all
+        steps.
+        """
         return explained_share(self.sizes, left)
 
     def misses(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return `ends`, computed states at the ends of `steps`, minus the samples there, divided by the allowed."""
+        """Return `ends`, computed states at the ends of `steps`, minus the samples there, divided
+        by the allowed.
+        """
         return np.asarray((ends - self.steps.states[steps + 1]) / self.allowed[steps])
 
     def miss_sizes(self, ends: np.ndarray, steps: np.ndarray) -> np.ndarray:
-        """Return for each of `steps` the larger of its misses in x and in v, of `misses(ends, steps)`, without sign."""
+        """Return for each of `steps` the larger of its misses in x and in v, of `misses(ends,
+        steps)`, without sign.
+        """
         return larger(self.misses(ends, steps))
 
     def defects_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
-        """Return all defects, divided by the allowed, for parameters `p` and with `ahead` added to all times."""
+        """Return all defects, divided by the allowed, for parameters `p` and with `ahead` added to
+        all times.
+        """
         s = self.steps
         return np.asarray(
             follow_steps(p, s.t + ahead, s.x, s.v, self.near, self.scales).defects / self.allowed
         )
 
     def share_mended_by(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
-        """Return the fraction of wrong steps that become right if t, x, v, perhaps fewer, are taken as the samples."""
+        """Return the fraction of wrong steps that become right if t, x, v, perhaps fewer, are taken
+        as the samples.
+        """
         if len(t) < 2:
             return 0.0
         # Most changes are refused by a few steps about the largest defect.
@@ -420,11 +249,13 @@ class Case:
 
     def _mended(self, before: np.ndarray, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> float:
         """Return the `mended_share` of other samples, given the defects `before`."""
-        found = follow_steps(self.parameters, t, x, v, float(np.median(self.near)), self.scales)
-        return mended_share(before, larger(found.defects / np.median(self.allowed, axis=0)))
+        after = follow_steps(self.parameters, t, x, v, float(np.median(self.near)), self.scales)
+        return mended_share(before, larger(after.defects / np.median(self.allowed, axis=0)))
 
     def thinned(self, chosen: np.ndarray, most: int) -> np.ndarray:
-        """Return the step numbers `chosen` or, if these are more than `most`, so many of them, evenly selected."""
+        """Return the step numbers `chosen` or, if these are more than `most`, so many of them,
+        evenly selected.
+        """
         if len(chosen) <= most:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
@@ -450,13 +281,14 @@ class Case:
         s = self.steps
         pairs = np.column_stack([chosen, chosen + 1]).ravel()
         near = np.repeat(self.near[chosen], 2)
-        found = follow_steps(p, s.t[pairs] + ahead, s.x[pairs], s.v[pairs], near, self.scales)
-        return np.asarray(found.defects[::2] / self.allowed[chosen])
+        ends = follow_steps(p, s.t[pairs] + ahead, s.x[pairs], s.v[pairs], near, self.scales)
+        return np.asarray(ends.defects[::2] / self.allowed[chosen])
 
     def flight_misses(
         self, K: Constants, turn: float = 0.0, chosen: np.ndarray | None = None
     ) -> np.ndarray:
-        """Return how far flights over steps miss the next samples in x and v, divided by the allowed defects.
+        """Return how far flights over steps miss the next samples in x and v, divided by the
+        allowed defects.
 
         The steps are those numbered `chosen`, or else all that lie inside a domain. Each flight has
         the force of the domain of its first sample, the constants `K` of another system, and a
@@ -465,13 +297,14 @@ class Case:
         if chosen is None:
             chosen = self.inside
         s = self.steps
-        other = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
-        return self.misses(other.flight(self.domain[chosen], chosen, chosen + 1), chosen)
+        shifted = replace(s, K=K, theta=s.theta + (K.Om - s.K.Om) * s.t + turn)
+        return self.misses(shifted.flight(self.domain[chosen], chosen, chosen + 1), chosen)
 
     def integrated(
         self, force: Callable[[float, float, float], float], chosen: np.ndarray
     ) -> np.ndarray:
-        """Return how far an equation with another `force` misses the ends of steps, in units of the allowed.
+        """Return how far an equation with another `force` misses the ends of steps, in units of the
+        allowed.
 
         `force(x, v, phase)` is the acceleration. The result has rows x, v.
         """
@@ -503,12 +336,15 @@ def larger(misses: np.ndarray) -> np.ndarray:
 
 
 def left_limits(before: np.ndarray) -> np.ndarray:
-    """Return what a cause may leave of each of the defects `before`, in units of the allowed ones."""
+    """Return what a cause may leave of each of the defects `before`, in units of the allowed
+    ones.
+    """
     return np.maximum(1.0, FITS * np.nan_to_num(before, nan=0.0, posinf=0.0))
 
 
 def explained_share(before: np.ndarray, left: np.ndarray) -> float:
-    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong steps).
+    """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong
+    steps).
 
     `before` and `left` are the sizes of the defects without and with the cause, in units of the
     allowed ones; steps in which `left` is NaN are not counted. The result is 0 if the first wrong
@@ -593,7 +429,8 @@ def fitted(
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return by how much to change a single fitted number, and the standard deviation of the number.
+    """Return by how much to change a single fitted number, and the standard deviation of the
+    number.
 
     It is the weighted median of the changes that the single steps ask for. `here` are the misses of
     the steps, `J` the derivatives of these misses with respect to the number.

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from math import pi
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from symosc.crosschecks.causes import Candidate, Case, Diagnosis
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.velocities import with_velocities
+from symosc.crosschecks.verdict import Verdict
 from symosc.model import Parameters
 from symosc.simulation.tables import counted
 
@@ -34,7 +35,7 @@ Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
 POSITIONS_ALONE = ("with positions alone", None, lambda t, x, v: (t, x, None))
 
 
-# -- signs, places and units -------------------------------------------------------------------------------------------
+# -- signs, places and units -----------------------------------------------------------------------
 
 #: Sizes of other units, as factors.
 SIZES = {1000.0: "1000 times too large", 100.0: "100 times too large", 0.01: "100 times too small",
@@ -42,11 +43,15 @@ SIZES = {1000.0: "1000 times too large", 100.0: "100 times too large", 0.01: "10
 
 
 def other_columns(case: Case) -> Iterator[Candidate]:
-    """Yield every change of columns that people make by mistake, with the fraction of wrong steps that it explains."""
+    """Yield every change of columns that people make by mistake, with the fraction of wrong steps
+    that it explains.
+    """
     s = case.steps
-    for one in changed_columns(case.parameters, s.t, s.x, s.v):
-        columns = one.columns(s.t, s.x, s.v)  # type: ignore[misc]
-        yield one._replace(diagnosis=replace(one.diagnosis, share=case.share_mended_by(*columns)))
+    for candidate in changed_columns(case.parameters, s.t, s.x, s.v):
+        columns = candidate.columns(s.t, s.x, s.v)  # type: ignore[misc]
+        yield candidate._replace(
+            diagnosis=replace(candidate.diagnosis, share=case.share_mended_by(*columns))
+        )
 
 
 def changed_columns(
@@ -56,73 +61,101 @@ def changed_columns(
 
     Units only if x and v then give one path length.
     """
+    for change in (*_other_signs(p), *_other_units(p)):
+        error = None
+        if change.value is not None:
+            error = 0.0
+            # The path from x must be as long as that from v.
+            if not _is_same_way(*change.columns(t, x, v)):
+                continue
+        diagnosis = Diagnosis(change.cause, change.subject, change.words, "", change.value, error)
+        yield Candidate(diagnosis, change.how, columns=change.columns)
+
+
+class Change(NamedTuple):
+    """What somebody may have done to the columns by mistake, and how to undo it.
+
+    `how` says what the columns then are, such as "with -x"; `value` is the factor of other units,
+    or the speed of a belt.
+    """
+
+    cause: str
+    subject: str
+    words: str
+    how: str
+    columns: Callable[..., Columns]
+    value: float | None = None
+
+
+def _other_signs(p: Parameters) -> Iterator[Change]:
+    """Yield changes of sign, of order, of the frame, and by one sample."""
+    yield Change("sign", "x", "x has the wrong sign", "with -x", lambda t, x, v: (t, -x, v))
+    yield Change("sign", "v", "v has the wrong sign", "with -v", lambda t, x, v: (t, x, -v))
+    words = "x and v have the wrong sign"
+    yield Change("sign", "x and v", words, "with -x, -v", lambda t, x, v: (t, -x, -v))
+    words = "the columns x and v are swapped"
+    yield Change("columns", "x and v", words, "swapped", lambda t, x, v: (t, v, x))
+    for boundary in (1, 2):
+        speed = float(p.belt(boundary))
+        if speed:
+            words = f"v is the velocity relative to belt {boundary}"
+            how = f"with v + v{boundary}"
+            yield Change("columns", "v", words, how, partial(_faster, speed), speed)
+    how = "with v of the next sample"
+    make = lambda t, x, v: (t[:-1], x[:-1], v[1:])  # noqa: E731
+    yield Change("columns", "v", "v is one sample late", how, make)
+    how = "with v of the sample before"
+    make = lambda t, x, v: (t[1:], x[1:], v[:-1])  # noqa: E731
+    yield Change("columns", "v", "v is one sample early", how, make)
+
+
+def _other_units(p: Parameters) -> Iterator[Change]:
+    """Yield changes of the units of x, v or t."""
     m = float(p.m)
     Om = float(p.Omega)
-    table: list[tuple[str, str, str, str, float | None, Callable[..., Columns]]] = [
-        ("sign", "x", "x has the wrong sign", "with -x", None, lambda t, x, v: (t, -x, v)),
-        ("sign", "v", "v has the wrong sign", "with -v", None, lambda t, x, v: (t, x, -v)),
-        ("sign", "x and v", "x and v have the wrong sign", "with -x, -v", None, lambda t, x, v: (t, -x, -v)),
-        ("columns", "x and v", "the columns x and v are swapped", "swapped", None, lambda t, x, v: (t, v, x)),
-        *(
-            ("columns", "v", f"v is the velocity relative to belt {boundary}", f"with v + v{boundary}", speed,
-             lambda t, x, v, speed=speed: (t, x, v + speed))
-            for boundary in (1, 2) if (speed := float(p.belt(boundary)))
-        ),
-        ("columns", "v", "v is one sample late", "with v of the next sample", None,
-         lambda t, x, v: (t[:-1], x[:-1], v[1:])),
-        ("columns", "v", "v is one sample early", "with v of the sample before", None,
-         lambda t, x, v: (t[1:], x[1:], v[:-1])),
-    ]  # fmt: skip
     units = [
         (name, factor, f"{name} {'are' if ' ' in name else 'is'} {size}: other units")
-        for factor, size in SIZES.items() for name in ("x", "v", "x and v", "t")
-    ]  # fmt: skip
+        for factor, size in SIZES.items()
+        for name in ("x", "v", "x and v", "t")
+    ]
     units += [
-        ("v", m, "v is the momentum, m times the velocity"), ("v", 1.0 / Om, "v is dx/d(Omega t)"),
-        ("t", Om, "t is the phase Omega t of the drive"), ("t", Om / (2 * pi), "t is in periods of the drive"),
-        ("t", Om * 180 / pi, "t is the phase of the drive in degrees"), ("t", 1 / 60, "t is in minutes"),
-    ]  # fmt: skip
+        ("v", m, "v is the momentum, m times the velocity"),
+        ("v", 1.0 / Om, "v is dx/d(Omega t)"),
+        ("t", Om, "t is the phase Omega t of the drive"),
+        ("t", Om / (2 * pi), "t is in periods of the drive"),
+        ("t", Om * 180 / pi, "t is the phase of the drive in degrees"),
+        ("t", 1 / 60, "t is in minutes"),
+    ]
     for name, factor, words in units:
         if factor != 1.0:
-            change = f"with {name} divided by {factor:.17g}"
-            table.append(
-                (
-                    "columns",
-                    name,
-                    words,
-                    change,
-                    factor,
-                    partial(_divided, name.split(" and "), factor),
-                )
-            )
-    for cause, subject, words, change, value, make in table:
-        if value is None:
-            error = None
-        else:
-            error = 0.0
-        if value is not None:  # the path from x must be as long as that from v
-            times, places, velocities = make(t, x, v)
-            way = float(
-                np.sum(np.abs(velocities[1:] + velocities[:-1]) * np.abs(np.diff(times))) / 2.0
-            )
-            if (
-                not 1.0 / SAME_WAY
-                < (float(np.sum(np.abs(np.diff(places)))) / way if way else np.inf)
-                < SAME_WAY
-            ):
-                continue
-        yield Candidate(Diagnosis(cause, subject, words, "", value, error), change, columns=make)
+            how = f"with {name} divided by {factor:.17g}"
+            make = partial(_divided, name.split(" and "), factor)
+            yield Change("columns", name, words, how, make, factor)
+
+
+def _is_same_way(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> bool:
+    """Return whether the path that x makes is about as long as the integral of |v|."""
+    by_velocity = float(np.sum(np.abs(v[1:] + v[:-1]) * np.abs(np.diff(t))) / 2.0)
+    if not by_velocity:
+        return False
+    ratio = float(np.sum(np.abs(np.diff(x)))) / by_velocity
+    return 1.0 / SAME_WAY < ratio < SAME_WAY
+
+
+def _faster(speed: float, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    return t, x, v + speed
 
 
 def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
     """Return the columns t, x, v, those in `names` divided by `factor`."""
     t, x, v = (
-        each / factor if name in names else each for name, each in zip("txv", columns, strict=True)
+        column / factor if name in names else column
+        for name, column in zip("txv", columns, strict=True)
     )
     return t, x, v
 
 
-# -- how the columns were made -----------------------------------------------------------------------------------------
+# -- how the columns were made ---------------------------------------------------------------------
 
 
 def velocity_column(case: Case) -> Iterator[Candidate]:
@@ -164,32 +197,35 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
             0.02 * size, case.allowed[0, 1]
         )
         if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
-            found = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
-            yield Candidate(found, *POSITIONS_ALONE)
+            diagnosis = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
+            yield Candidate(diagnosis, *POSITIONS_ALONE)
             return
     if len(case.inside) >= FEWEST_FLIGHTS:
         share = case.share_mended_by(s.t[first:], s.x[first:], v)
-        found = Diagnosis(
+        diagnosis = Diagnosis(
             "columns", "v", "v is not the velocity of x; the positions are right", "", share=share
         )
-        yield Candidate(found, *POSITIONS_ALONE)
+        yield Candidate(diagnosis, *POSITIONS_ALONE)
 
 
 def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
-    """Return the first sample whose velocity the positions determine, and the velocities from that sample on."""
+    """Return the first sample whose velocity the positions determine, and the velocities from that
+    sample on.
+    """
     s = case.steps
     tolerance = float(case.allowed[0, 0] / case.scales[0])
     try:
-        found = with_velocities(
+        samples = with_velocities(
             Samples(s.t, s.x, np.full(len(s.t), np.nan)), case.parameters, tolerance
         )
     except ParameterError:
         return None
-    return len(s.t) - len(found.t), found.v
+    return len(s.t) - len(samples.t), samples.v
 
 
 def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
-    """Return the exact velocities at times beside the samples from number `first` on, which have velocities `v`.
+    """Return the exact velocities at times beside the samples from number `first` on, which have
+    velocities `v`.
 
     A positive `part` puts each time before its sample, by this fraction of the step to the sample;
     a negative one puts it after, by the fraction -`part` of the next step. NaN for a sample without
@@ -204,10 +240,12 @@ def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np
         np.stack([np.column_stack([t, x, v])[:-1], ends], axis=1).reshape(-1, 3).T
     )
     near = np.repeat(case.near[first:][:-1], 2)
-    found = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales).defects[::2, 1]
+    speeds = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales).defects[
+        ::2, 1
+    ]
     if part > 0.0:
-        return np.append(np.nan, found)
-    return np.append(found, np.nan)
+        return np.append(np.nan, speeds)
+    return np.append(speeds, np.nan)
 
 
 def frozen_positions(case: Case) -> Iterator[Candidate]:
@@ -247,7 +285,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
     )
 
 
-# -- the clock ---------------------------------------------------------------------------------------------------------
+# -- the clock -------------------------------------------------------------------------------------
 
 
 def even_times(case: Case) -> Iterator[Candidate]:
@@ -322,10 +360,10 @@ def single_times(case: Case) -> Iterator[Candidate]:
     fastest = np.max(np.abs(np.column_stack([s.v[chosen + 1], a])), axis=0)
     small = np.all(np.abs(s.defects) <= np.outer(ticks, fastest) + case.allowed, axis=1)
     small[chosen] = within
-    found = Diagnosis("columns", "t", "the times are in single precision", evidence, largest)
+    diagnosis = Diagnosis("columns", "t", "the times are in single precision", evidence, largest)
     # All times are numbers of single precision, which cannot be chance.
     if np.mean(within) >= 0.7:
-        yield Candidate(found, left=np.where(small | ~case.wrong, 0.0, case.sizes))
+        yield Candidate(diagnosis, left=np.where(small | ~case.wrong, 0.0, case.sizes))
 
 
 def _are_single(t: np.ndarray) -> bool:
@@ -334,10 +372,10 @@ def _are_single(t: np.ndarray) -> bool:
     return single and not np.array_equal(t, np.rint(t))
 
 
-# -- the numbers themselves, and the list of events --------------------------------------------------------------------
+# -- the numbers themselves, and the list of events ------------------------------------------------
 
 
-def event_list_faults(check: Any) -> Iterator[Diagnosis]:
+def event_list_faults(check: Verdict) -> Iterator[Diagnosis]:
     """Yield what is wrong with a solver's list of events although its samples are right."""
     missed = check.missed
     invented = check.invented
@@ -348,7 +386,7 @@ def event_list_faults(check: Any) -> Iterator[Diagnosis]:
         and [e.kind for e in missed] == [e.kind for e in invented]
     ):
         worst = max(
-            (found.t - float(exact.t) for found, exact in zip(invented, missed, strict=True)),
+            (listed.t - float(exact.t) for listed, exact in zip(invented, missed, strict=True)),
             key=abs,
         )
         words = (
@@ -376,14 +414,12 @@ def outliers(case: Case) -> Iterator[Candidate]:
         share = float(
             np.mean(np.isin(check.wrong_steps, rows) | np.isin(check.wrong_steps + 1, rows))
         )
-        words = f"{len(off)} sample{'s are' if len(off) > 1 else ' is'} off, the first is number {rows[0]}"
+        are = "is" if len(off) == 1 else "are"
+        words = f"{counted(len(off), 'sample')} {are} off, the first is number {rows[0]}"
         size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
-        found = Diagnosis("noise", "", words, "", size, None, share)
-        if rows[1:]:
-            without = "them"
-        else:
-            without = "it"
-        yield Candidate(found, f"without {without}", columns=partial(_without, rows))
+        diagnosis = Diagnosis("noise", "", words, "", size, None, share)
+        how = "without them" if rows[1:] else "without it"
+        yield Candidate(diagnosis, how, columns=partial(_without, rows))
 
 
 def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
@@ -391,7 +427,9 @@ def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Co
 
 
 def noise(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise makes them."""
+    """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise
+    makes them.
+    """
     inside = case.inside_wrong
     pairs = inside[:-1][np.diff(inside) == 1]
     # Times in single precision make such defects too, of x and v that are right.
@@ -415,17 +453,17 @@ def noise(case: Case) -> Iterator[Candidate]:
             f"what one step is off, the next one takes back: correlation {x:.2f} in x, {v:.2f} in v"
         )
         error = float(sizes[1] / np.sqrt(2.0 * len(inside)))
-        found = Diagnosis("noise", "", words, evidence, float(sizes[1]), error)
+        diagnosis = Diagnosis("noise", "", words, evidence, float(sizes[1]), error)
         # A step has the noise of both its samples, and v of the first one moves x.
         h = np.diff(s.t)
         usual = np.column_stack(
             [np.hypot(np.sqrt(2.0) * sizes[0], h * sizes[1]), np.full(len(h), 2.0 * sizes[1])]
         )
         fits = np.all(np.abs(defects) <= case.allowed + MOST_DEVIATIONS * usual, axis=1)
-        yield Candidate(found, left=np.where(fits, 0.0, case.sizes))
+        yield Candidate(diagnosis, left=np.where(fits, 0.0, case.sizes))
 
 
-def few_digits(check: Any) -> Iterator[Diagnosis]:
+def few_digits(check: Verdict) -> Iterator[Diagnosis]:
     """Yield the diagnosis that the columns were written with few digits."""
     if check.rounded:
         columns = ", ".join(f"{name} to {text}" for name, text in check.rounded.items())

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -24,6 +23,7 @@ from symosc.crosschecks.causes import (
     larger,
     mended_share,
 )
+from symosc.crosschecks.verdict import Verdict, judge
 from symosc.engine.next_event import TWO_PI
 
 # Causes that explain this little less than the best are its alternatives.
@@ -51,23 +51,23 @@ STAGES: tuple[tuple[Cause, ...], ...] = (
 )
 
 
-def diagnose(check: Any) -> tuple[Diagnosis, ...]:
-    """Return the probable causes of the errors of a `CrossCheck`, the most probable first."""
+def diagnose(check: Verdict) -> tuple[Diagnosis, ...]:
+    """Return the probable causes of the errors of a solution, the most probable first."""
     few_digits = tuple(columns.few_digits(check))
     if check.ok:
         return few_digits
     if check.coarser is not None:
         return diagnose(check.coarser)
     if len(check.wrong_steps):
-        found = [_cause_of_wrong_steps(check)]
+        causes = [_cause_of_wrong_steps(check)]
     elif check.missed or check.invented:
-        found = list(columns.event_list_faults(check))
+        causes = list(columns.event_list_faults(check))
     else:
-        found = list(_start(check))
-    return (*found, *few_digits)
+        causes = list(_start(check))
+    return (*causes, *few_digits)
 
 
-def _cause_of_wrong_steps(check: Any) -> Diagnosis:
+def _cause_of_wrong_steps(check: Verdict) -> Diagnosis:
     """Return what is probably wrong with samples that have wrong steps."""
     if not (np.ptp(check.x) or np.ptp(check.v)):
         words = "x and v never change: the mass does not move"
@@ -88,12 +88,16 @@ def _cause_of_wrong_steps(check: Any) -> Diagnosis:
                 named = repeated.confirmed(_explaining(case, stage, check))
                 if named:
                     first, *others = named
-                    as_good = [found for found in others if found.share >= first.share - AS_GOOD]
+                    as_good = [
+                        diagnosis
+                        for diagnosis in others
+                        if diagnosis.share >= first.share - AS_GOOD
+                    ]
                     return replace(first, alternatives=tuple(as_good))
     return _unknown(check)
 
 
-def _explaining(case: Case, stage: Iterable[Cause], check: Any) -> Iterator[Candidate]:
+def _explaining(case: Case, stage: Iterable[Cause], check: Verdict) -> Iterator[Candidate]:
     """Yield the candidates of a stage that explain the steps of a `case`.
 
     One without a change has to explain the largest defect of the `check` too, wherever that is.
@@ -108,7 +112,7 @@ def _explaining(case: Case, stage: Iterable[Cause], check: Any) -> Iterator[Cand
                 yield candidate
                 continue
             elsewhere = elsewhere or Case(check, largest)
-            if candidate.name in {other.name for other in _candidates(elsewhere, cause)}:
+            if candidate.name in {known.name for known in _candidates(elsewhere, cause)}:
                 yield candidate
 
 
@@ -122,26 +126,26 @@ def _candidates(case: Case, cause: Cause) -> Iterator[Candidate]:
             yield candidate._replace(diagnosis=replace(candidate.diagnosis, share=share))
 
 
-# -- the check repeated with a change ----------------------------------------------------------------------------------
+# -- the check repeated with a change --------------------------------------------------------------
 
 
 class Repeated:
     """A check that is repeated with changes, as often as is allowed."""
 
-    def __init__(self, check: Any) -> None:
+    def __init__(self, check: Verdict) -> None:
         self.check = check
         self.left = MOST_REPEATED
 
     def confirmed(self, candidates: Iterable[Candidate]) -> list[Diagnosis]:
         """Return the diagnoses that repeated checks confirm, the best first, each name once."""
         named = dict[tuple[str, str], Diagnosis]()
-        for candidate in sorted(candidates, key=lambda found: -found.diagnosis.share):
+        for candidate in sorted(candidates, key=lambda proposal: -proposal.diagnosis.share):
             if candidate.name in named:
                 continue
             diagnosis = self.with_evidence(candidate)
             if diagnosis is not None and diagnosis.share >= ENOUGH:
                 named[candidate.name] = diagnosis
-        return sorted(named.values(), key=lambda found: -found.share)
+        return sorted(named.values(), key=lambda proposal: -proposal.share)
 
     def with_evidence(self, candidate: Candidate) -> Diagnosis | None:
         """Add the result of the check with a candidate's change to the diagnosis.
@@ -163,14 +167,16 @@ class Repeated:
         words = f"{change} all {steps} steps are right"
         share = 1.0
         if wrong or len(again.wrong_spans):
-            before, after = (larger(one.defects / one.allowed) for one in (self.check, again))
+            before, after = (
+                larger(result.defects / result.allowed) for result in (self.check, again)
+            )
             measure = explained_share if len(before) == len(after) else mended_share
             share = measure(before, after)
             words = f"{change} {wrong} of {steps} steps are wrong"
         evidence = "; ".join(filter(None, (diagnosis.evidence, words)))
         return replace(diagnosis, evidence=evidence, share=share)
 
-    def _check_with(self, candidate: Candidate) -> Any:
+    def _check_with(self, candidate: Candidate) -> Verdict | None:
         """Return the check with a candidate's change; None if it is not possible."""
         task = self.check.task
         samples = task.samples
@@ -183,7 +189,9 @@ class Repeated:
             samples = replace(samples, v=np.full(len(samples.t), np.nan))
         samples = replace(samples, events=None, dense=None, v_off=None)
         try:
-            again = task.again(samples, candidate.parameters or task.parameters)
+            again = judge(
+                replace(task, samples=samples, scene=candidate.parameters or task.parameters)
+            )
         except ParameterError:
             return None
         if again.task.samples.v_off is not None and len(again.t) < FEWEST_LEFT * len(self.check.t):
@@ -191,10 +199,10 @@ class Repeated:
         return again
 
 
-# -- what is said where no cause is named ------------------------------------------------------------------------------
+# -- what is said where no cause is named ----------------------------------------------------------
 
 
-def _start(check: Any) -> Iterator[Diagnosis]:
+def _start(check: Verdict) -> Iterator[Diagnosis]:
     """Yield the diagnosis of another start, if a note of the check or the global error shows it."""
     words = "every step is right, but the motion starts elsewhere, or errors of the steps add up"
     if check.wrong_start:
@@ -208,7 +216,7 @@ def _start(check: Any) -> Iterator[Diagnosis]:
         )
 
 
-def _unknown(check: Any) -> Diagnosis:
+def _unknown(check: Verdict) -> Diagnosis:
     """Return the diagnosis that the cause is unknown."""
     words = "the cause is unknown"
     first = check.first_wrong

@@ -32,7 +32,7 @@ SAME_WIDTH = 0.01
 MOST_RIGHT = 60
 
 
-# -- smoothed friction -------------------------------------------------------------------------------------------------
+# -- smoothed friction -----------------------------------------------------------------------------
 
 
 def smoothed(case: Case) -> Iterator[Candidate]:
@@ -50,10 +50,12 @@ def smoothed(case: Case) -> Iterator[Candidate]:
         sizes = larger(case.integrated(_smoothed_force(case, width, curve), steps))
         fits = int(np.sum(sizes <= case.limits()[steps]))
         error = max(spread, WIDTH_DIGITS * width)
-        words = f"friction is smoothed: like {name}((v - v_belt)/{rounded(width, error)}) in place of a sign"
-        evidence = f"the equation with it, integrated over {counted(len(steps), 'step')}, explains {fits} of them"
-        found = Diagnosis("smoothed friction", name, words, evidence, width, error)
-        yield Candidate(found, left=case.leaving(sizes, steps))
+        law = f"{name}((v - v_belt)/{rounded(width, error)})"
+        words = f"friction is smoothed: like {law} in place of a sign"
+        over = counted(len(steps), "step")
+        evidence = f"the equation with it, integrated over {over}, explains {fits} of them"
+        diagnosis = Diagnosis("smoothed friction", name, words, evidence, width, error)
+        yield Candidate(diagnosis, left=case.leaving(sizes, steps))
 
 
 def _smoothed_force(
@@ -94,7 +96,7 @@ def _width(case: Case, i: int, curve: Callable[[float], float]) -> float | None:
     return None
 
 
-# -- drift in sticks ---------------------------------------------------------------------------------------------------
+# -- drift in sticks -------------------------------------------------------------------------------
 
 
 class StickSteps(NamedTuple):
@@ -186,7 +188,8 @@ def _find_sticks(case: Case) -> StickSteps | None:
 def _misses_with_drift(
     case: Case, sticks: StickSteps, rate: float, side: int, onto: bool
 ) -> np.ndarray:
-    """Return by how much the ends of steps are missed if v drifts off the belt at a `rate` in sticks.
+    """Return by how much the ends of steps are missed if v drifts off the belt at a `rate` in
+    sticks.
 
     Sticks that end in the step are followed by a flight below the belt (`side` 0) or above it (1).
     It begins with the velocity as it has drifted, or with that of the belt (`onto`).

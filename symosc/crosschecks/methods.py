@@ -26,7 +26,7 @@ WHOLE = 0.999
 ONE_FRICTION = 1e-3
 
 
-# -- events that are missed or late ------------------------------------------------------------------------------------
+# -- events that are missed or late ----------------------------------------------------------------
 
 
 class Delays(NamedTuple):
@@ -149,7 +149,7 @@ def _moved(
 ) -> np.ndarray:
     """Return x and v after times `tau` in the given modes, without any event."""
     s = case.steps
-    (x, v) = state
+    x, v = state
     held = mode > 3
     speed = s.belts[np.where(held, mode - 4, 0)]
     flown = s.fly(np.where(held, 1, mode), x, v, theta, tau).T
@@ -163,11 +163,17 @@ def _late_words(case: Case, ways: Delays, delay: np.ndarray, whole: np.ndarray) 
     known = ways.begin > case.steps.t[ways.step]  # those with the event in the step
     held = ways.source > 3
     if np.all(held):
-        words = f"sticks end too late: the samples go on with the belt where it does not hold any more ({first})"
+        words = (
+            "sticks end too late: the samples go on with the belt where it does not hold any more "
+            f"({first})"
+        )
         ratio, spread = _friction_at_ends(case, ways, delay)
         evidence = f"{counted(count, 'step')} tried and explained by it"
         if count > 1 and spread <= ONE_FRICTION * ratio:
-            words += f", up to {ratio:.4g} times the friction of the flight, as if static friction were larger"
+            words += (
+                f", up to {ratio:.4g} times the friction of the flight, "
+                "as if static friction were larger"
+            )
             return Diagnosis("late events", "stick", words, evidence, ratio, spread)
         return Diagnosis("late events", "stick", words, evidence, float(np.max(delay)), None)
     seen = known & ~(whole & (case.domain[ways.step + 1] == ways.source))
@@ -205,7 +211,7 @@ def _friction_at_ends(case: Case, ways: Delays, delay: np.ndarray) -> tuple[floa
     return float(np.median(ratio)), float(np.max(np.abs(ratio - np.median(ratio))))
 
 
-# -- events that a method goes over, and chatter -----------------------------------------------------------------------
+# -- events that a method goes over, and chatter ---------------------------------------------------
 
 # A method goes over the events of a step if the force below the belt has another part of the step
 # than in the exact motion, by so much in the middle of all steps.
@@ -270,7 +276,10 @@ def _gone_over_words(
         return None
     words = f"events are not located: the method goes over them ({first})"
     off = float(np.median(np.abs(parts)))
-    evidence = f"in {counted(len(steps), 'step')} tried a force acts too long or too short, by {off:.0%} of the step"
+    evidence = (
+        f"in {counted(len(steps), 'step')} tried a force acts too long or too short, "
+        f"by {off:.0%} of the step"
+    )
     return Diagnosis("late events", "", words, evidence, off, None)
 
 
@@ -323,7 +332,7 @@ def _mixtures(
     return fits, parts, sticks
 
 
-# -- steps that are too large ------------------------------------------------------------------------------------------
+# -- steps that are too large ----------------------------------------------------------------------
 
 # The errors of a method are powers of the step times fixed combinations of x, v, cos, sin and 1,
 # since flights are linear. Powers that are tried, as many at once where steps differ, and flights
@@ -401,7 +410,9 @@ def large_steps(case: Case) -> Iterator[Candidate]:
 
 
 def _like_truncation(case: Case, flights: np.ndarray) -> bool:
-    """Return whether the errors of flights can be those of a method, and not those of a wrong force."""
+    """Return whether the errors of flights can be those of a method, and not those of a wrong
+    force.
+    """
     s = case.steps
     h = np.diff(case.steps.t)[flights]
     dx, dv = s.defects[flights].T
@@ -436,7 +447,9 @@ def _linear_terms(case: Case, flights: np.ndarray) -> np.ndarray:
 def _left_by_powers(
     case: Case, flights: np.ndarray, defects: np.ndarray, powers: tuple[int, ...]
 ) -> np.ndarray:
-    """Return what a fit to every second flight leaves of the defects of the others, for all flights."""
+    """Return what a fit to every second flight leaves of the defects of the others, for all
+    flights.
+    """
     h = np.diff(case.steps.t)[flights]
     basis = _linear_terms(case, flights)
     matrix = np.hstack([basis * (h[:, None] / np.max(h)) ** power for power in powers])

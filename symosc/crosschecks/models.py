@@ -40,31 +40,33 @@ MOST_FREQUENCIES = 4000
 QUARTER = 1e-4
 
 
-# -- systems that people write by mistake ------------------------------------------------------------------------------
+# -- systems that people write by mistake ----------------------------------------------------------
 
 
 def other_systems(case: Case) -> Iterator[Candidate]:
-    """Yield each common modelling mistake that explains the wrong steps, with a change that tests it."""
+    """Yield each common modelling mistake that explains the wrong steps, with a change that tests
+    it.
+    """
     p = case.parameters
     seen = {case.parameters}
     flights = case.thinned(case.inside_wrong, MOST_FLIGHTS)
     for cause, subject, words, change, values in _systems(p):
-        other = _replaced(p, **values)
-        if other is None or other in seen:
+        system = _replaced(p, **values)
+        if system is None or system in seen:
             continue
-        seen.add(other)
-        if len(flights) >= LEAST_FLIGHTS and (other.v1, other.v2) == (p.v1, p.v2):
-            few = larger(case.flight_misses(Arithmetic(other).K, chosen=flights))
+        seen.add(system)
+        if len(flights) >= LEAST_FLIGHTS and (system.v1, system.v2) == (p.v1, p.v2):
+            few = larger(case.flight_misses(Arithmetic(system).K, chosen=flights))
             if np.mean(few <= case.limits()[flights]) < 0.5:
                 continue
-        left = case.left_with(other)
+        left = case.left_with(system)
         if left is not None:
             value = error = None
             if len(values) == 1:
                 value = float(next(iter(values.values())))
                 error = 0.0
-            found = Diagnosis(cause, subject, words, "", value, error)
-            yield Candidate(found, f"with {change}", parameters=other, left=left)
+            diagnosis = Diagnosis(cause, subject, words, "", value, error)
+            yield Candidate(diagnosis, f"with {change}", parameters=system, left=left)
     yield from _wrong_signs(case)
 
 
@@ -78,13 +80,15 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
     Om = float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
         yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
-    swapped = f"the belts are swapped: belt 1 has mu2 = {float(p.mu2):g}, belt 2 has mu1 = {float(p.mu1):g}"
+    of_belts = f"belt 1 has mu2 = {float(p.mu2):g}, belt 2 has mu1 = {float(p.mu1):g}"
+    swapped = f"the belts are swapped: {of_belts}"
     yield "swapped belts", "", swapped, "mu1 and mu2 swapped", {"mu1": p.mu2, "mu2": p.mu1}
     if p.mu1 + p.mu2:
         yield "coefficient", "FN", "there is no friction at all (FN = 0)", "FN = 0", {"FN": 0}
     changes: list[tuple[str, Any, str]] = [
         ("Omega", Om * 2 * pi, "times 2 pi"), ("Omega", Om / (2 * pi), "divided by 2 pi"),
-        ("Omega", Om * pi / 180, "Omega t in degrees"), ("Omega", Om * 180 / pi, "Omega in degrees"),
+        ("Omega", Om * pi / 180, "Omega t in degrees"),
+        ("Omega", Om * 180 / pi, "Omega in degrees"),
         ("Omega", Om * Om, "its square"), ("Omega", 2 * Om, "twice"), ("Omega", Om / 2, "half"),
         ("m", m * m, "divided by twice"), ("m", 1.0, "left out"),
         ("m", m * 1000, "times 1000"), ("m", m / 1000, "/1000"),
@@ -114,7 +118,9 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
 
 
 def _wrong_signs(case: Case) -> Iterator[Candidate]:
-    """Yield the diagnosis that friction, spring or damper has the wrong sign, by integration over steps."""
+    """Yield the diagnosis that friction, spring or damper has the wrong sign, by integration over
+    steps.
+    """
     p = case.parameters
     K = case.steps.K
     steps = case.telling
@@ -149,11 +155,13 @@ def _wrong_signs(case: Case) -> Iterator[Candidate]:
         yield Candidate(Diagnosis("sign", name, words, evidence), left=case.leaving(sizes, steps))
 
 
-# -- fitted coefficients -----------------------------------------------------------------------------------------------
+# -- fitted coefficients ---------------------------------------------------------------------------
 
 
 def coefficients(case: Case) -> Iterator[Candidate]:
-    """Yield for each parameter the diagnosis that it is wrong, its value fitted to flights (v1, v2: wrong steps)."""
+    """Yield for each parameter the diagnosis that it is wrong, its value fitted to flights (v1, v2:
+    wrong steps).
+    """
     for name in PARAMETER_NAMES:
         if name not in ("v1", "v2"):
             yield from _coefficient(case, name, _fit_flights(case, name))
@@ -203,23 +211,25 @@ def _median(sizes: np.ndarray) -> float:
 
 
 def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
-    """Yield the diagnosis of a wrong coefficient, with its fitted value to the digits that are significant."""
+    """Yield the diagnosis of a wrong coefficient, with its fitted value to the digits that are
+    significant.
+    """
     if fit is None or len(case.moving_wrong) < FEWEST_FITTED:
         return
     value = float(fit.value[0])
     error = float(fit.error[0])
     right = float(getattr(case.parameters, name))
     text = rounded(value, error)
-    other = _replaced(case.parameters, **{name: float(text)})
-    if other is None or other == case.parameters:
+    second = _replaced(case.parameters, **{name: float(text)})
+    if second is None or second == case.parameters:
         left = None
     else:
-        left = case.left_with(other)
+        left = case.left_with(second)
     if left is not None:
         words = f"the solution has {name} = {text}, which should be {right:.10g}"
         evidence = f"fitted: {name} = {text} ± {error:.1g}"
         found = Diagnosis("coefficient", name, words, evidence, value, error)
-        yield Candidate(found, f"with {name} = {text}", parameters=other, left=left)
+        yield Candidate(found, f"with {name} = {text}", parameters=second, left=left)
 
 
 def rounded(value: float, error: float) -> str:
@@ -284,9 +294,9 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
 
     None if the model does not allow the value.
     """
-    other = _replaced(p, **{name: value})
-    if other is not None:
-        return Arithmetic(other).K
+    second = _replaced(p, **{name: value})
+    if second is not None:
+        return Arithmetic(second).K
     if name in (
         "mu1",
         "mu2",
@@ -311,10 +321,10 @@ def _fit_belt(case: Case, name: str) -> Fit | None:
     chosen = case.thinned(case.telling, MOST_FLIGHTS)
 
     def misses(value: np.ndarray) -> np.ndarray:
-        other = _replaced(p, **{name: float(value[0])})
-        if other is None:
+        second = _replaced(p, **{name: float(value[0])})
+        if second is None:
             return np.full((len(chosen), 2), np.nan)
-        return case.some_defects_with(other, chosen)
+        return case.some_defects_with(second, chosen)
 
     step = np.diff(s.t)
     start = np.array([float(getattr(p, name))])
@@ -352,7 +362,7 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
     return np.asarray(grid[np.argsort(left)[:FEW_FAR]])
 
 
-# -- the clock, and the phase of the drive ----------------------------------------------------------
+# -- the clock, and the phase of the drive ---------------------------------------------------------
 
 
 def phases_of_drive(case: Case) -> Iterator[Candidate]:
@@ -494,9 +504,11 @@ def jumps_of_clock(case: Case) -> Iterator[Candidate]:
         pace = "slow"
     words = f"the clock of the samples jumps after t = {time:.10g}: from there on it is {pace} by "
     evidence = f"fitted: {rounded(shift, error)} ± {error:.1g}"
-    found = Diagnosis("time shift", "", words + rounded(abs(shift), error), evidence, shift, error)
+    diagnosis = Diagnosis(
+        "time shift", "", words + rounded(abs(shift), error), evidence, shift, error
+    )
     change = f"with {shift:.17g} taken from t after t = {time:.10g}"
-    yield Candidate(found, change, columns=partial(_moved_after, time, shift))
+    yield Candidate(diagnosis, change, columns=partial(_moved_after, time, shift))
 
 
 def _moved_after(

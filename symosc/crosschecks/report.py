@@ -8,54 +8,39 @@ from __future__ import annotations
 import multiprocessing
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Sequence
-from contextlib import ExitStack
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass, fields
 from functools import cached_property, partial
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from symosc.base.aliases import Record
+from symosc.base.aliases import Progress, Record
 from symosc.base.display.drawable import Comparable, Drawable, Reportable
 from symosc.base.display.frames import imported
 from symosc.base.display.progress import reporting
 from symosc.base.errors import ParameterError
 from symosc.base.workers import process_pool
-from symosc.crosschecks.causes import REASONS, Diagnosis, Fault
+from symosc.crosschecks.causes import Diagnosis
 from symosc.crosschecks.diagnosis import diagnose
-from symosc.crosschecks.events import FoundEvent, Match
+from symosc.crosschecks.events import FoundEvent
+from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.samples import Samples
-from symosc.model import Parameters
+from symosc.crosschecks.verdict import Task, Verdict, judge
 from symosc.simulation.tables import counted
-from symosc.simulation.trajectory import Event, Trajectory
+from symosc.simulation.trajectory import Event
 
 EVENTS_LISTED = 5  # of a kind in a summary
 # Number of failing solutions that a summary of several solutions lists.
 MOST_LISTED = 20
 EVENT_LISTS = ("matched", "missed", "invented", "unresolved")
-
-
-class Judged(Protocol):
-    """What a `CrossCheck` has judged: samples of a system, which may be judged again with a change."""
-
-    @property
-    def samples(self) -> Samples:
-        """The samples."""
-        ...
-
-    @property
-    def parameters(self) -> Parameters:
-        """The parameters of the exact motion."""
-        ...
-
-    def again(self, samples: Samples, parameters: Parameters) -> CrossCheck:
-        """Judge other samples of another system in the same way."""
-        ...
+#: What is said of an exact event.
+EVENT_VALUES = ("t", "x", "v", "kind", "boundary", "source", "target")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CrossCheck(Comparable, Drawable, Reportable):
+class CrossCheck(Verdict, Comparable, Drawable, Reportable):
     """The comparison of samples with the exact motion.
 
     Attributes
@@ -137,46 +122,6 @@ class CrossCheck(Comparable, Drawable, Reportable):
     _drawn_by = "crosscheck_figure"
     _made_by = "crosscheck(...)"
 
-    ok: bool
-    max_error_x: float
-    max_error_v: float
-    errors: np.ndarray
-    limits: np.ndarray
-    defects: np.ndarray
-    wrong_steps: np.ndarray
-    wrong_spans: np.ndarray
-    allowed: np.ndarray
-    matched: tuple[Match, ...]
-    missed: tuple[Event, ...]
-    invented: tuple[FoundEvent, ...]
-    unresolved: tuple[Event | FoundEvent, ...]
-    decisions: tuple[Fault, ...]
-    faults: tuple[Fault, ...]
-    first_wrong: Fault | None
-    first_switching: Fault | None
-    compared_until: float
-    tolerance: float
-    global_tolerance: float
-    scales: tuple[float, float]
-    rounded: dict[str, str]
-    notes: tuple[str, ...]
-    modes: np.ndarray
-    t: np.ndarray
-    x: np.ndarray
-    v: np.ndarray
-    trajectory: Trajectory
-    own_start: tuple[float, float, float] | None = None
-    _task: Judged | None = None
-    wrong_start: str = ""
-    early_end: str = ""
-    coarser: CrossCheck | None = None
-
-    @property
-    def task(self) -> Judged:
-        """What was judged, and how."""
-        assert self._task is not None
-        return self._task
-
     @cached_property
     def diagnosis(self) -> tuple[Diagnosis, ...]:
         """The probable causes, the most probable first; computed on first access."""
@@ -193,91 +138,91 @@ class CrossCheck(Comparable, Drawable, Reportable):
 
     def summary(self) -> str:
         """Return the findings as lines of text."""
+        lines = [
+            *self._figures(),
+            *self._beyond_limits(),
+            *self._about_events(),
+            *self._about_faults(),
+            *self._about_causes(),
+        ]
+        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+
+    def _figures(self) -> list[str]:
+        """Return lines about how many samples, steps and events are right, and the largest
+        errors.
+        """
         worst = np.max(np.abs(self.defects), axis=0)
         limits = self.limits_there
-        lines = [
-            f"{'ok' if self.ok else 'FAILED'}: {len(self.t)} samples, tolerance {self.tolerance:g} per step",
+        verdict = "ok" if self.ok else "FAILED"
+        counts = [f"{len(getattr(self, name))} {name}" for name in EVENT_LISTS[:3]]
+        events = ", ".join([*counts, f"{len(self.unresolved)} within the global error"])
+        return [
+            f"{verdict}: {len(self.t)} samples, tolerance {self.tolerance:g} per step",
             f"largest defect of a step: {worst[0]:.2e} in x, {worst[1]:.2e} in v; "
             f"wrong steps: {len(self.wrong_steps)} of {len(self.defects)}",
             f"largest global error: {self.max_error_x:.2e} in x, {self.max_error_v:.2e} in v "
             f"(allowed there {limits[0]:.1e} and {limits[1]:.1e})",
-            f"events: {len(self.matched)} matched, {len(self.missed)} missed, {len(self.invented)} invented, "
-            f"{len(self.unresolved)} within the global error",
+            f"events: {events}",
         ]
+
+    def _beyond_limits(self) -> Iterator[str]:
+        """Yield lines about the start, the end, the global error and the spans, where these are
+        wrong.
+        """
         if self.wrong_start:
-            lines += [f"wrong start: {self.wrong_start} (own_start=True, --own-start: allowed)"]
-        else:
-            lines += []
+            yield f"wrong start: {self.wrong_start} (own_start=True, --own-start: allowed)"
         if self.early_end:
-            lines += [f"early end: {self.early_end} (partial=True, --partial: allowed)"]
-        else:
-            lines += []
+            yield f"early end: {self.early_end} (partial=True, --partial: allowed)"
         beyond = np.flatnonzero(np.any(np.abs(self.errors) > self.limits, axis=1))
         if len(beyond):
-            (x, v) = np.abs(self.errors[beyond[0]])
-            limits = self.limits[beyond[0]]
+            x, v = np.abs(self.errors[beyond[0]])
             t = self.t[beyond[0]]
-            where = f"first at t = {t:.10g} ({x:.1e} in x, {v:.1e} in v, allowed {limits[0]:.1e} and {limits[1]:.1e})"
-            lines.append(
-                f"global error beyond its limit: {len(beyond)} of {len(self.t)} samples, {where}"
-            )
+            limits = self.limits[beyond[0]]
+            allowed = f"allowed {limits[0]:.1e} and {limits[1]:.1e}"
+            where = f"first at t = {t:.10g} ({x:.1e} in x, {v:.1e} in v, {allowed})"
+            count = f"{len(beyond)} of {len(self.t)} samples"
+            yield f"global error beyond its limit: {count}, {where}"
         if len(self.wrong_spans):
-            (first, last) = self.wrong_spans[0].tolist()
-            times = self.t[self.wrong_spans[0]]
-            spans = (
-                f"{len(self.wrong_spans)} spans, first from t = {times[0]:.10g} to {times[1]:.10g}"
-            )
-            lines.append(f"wrong over {last - first} steps, beyond the rounding: {spans}")
+            first, last = self.wrong_spans[0].tolist()
+            times = f"first from t = {self.t[first]:.10g} to {self.t[last]:.10g}"
+            spans = f"{len(self.wrong_spans)} spans, {times}"
+            yield f"wrong over {last - first} steps, beyond the rounding: {spans}"
+
+    def _about_events(self) -> Iterator[str]:
+        """Yield lines about the worst of the matched events, and the first missed and invented
+        ones.
+        """
         if self.matched:
             late = max(self.matched, key=lambda match: abs(match.error))
-            lines.append(
-                f"largest error of an event's time: {abs(late.error):.2e} at t = {float(late.event.t):.10g}"
-            )
+            where = f"at t = {float(late.event.t):.10g}"
+            yield f"largest error of an event's time: {abs(late.error):.2e} {where}"
         for name in ("missed", "invented"):
-            belts = [
-                f" on belt {event.boundary}" if event.boundary else ""
-                for event in getattr(self, name)
-            ]
-            events = zip(getattr(self, name), belts, strict=True)
-            lines += _first_lines(
-                name, [f"{event.kind}{belt} at t = {float(event.t):.10g}" for event, belt in events]
-            )
+            yield from _first_lines(name, [_event_text(event) for event in getattr(self, name)])
+
+    def _about_faults(self) -> Iterator[str]:
+        """Yield lines about the first wrong steps and decisions."""
         if self.first_wrong:
-            lines.append(f"first wrong step: {_fault_text(self.first_wrong)}")
+            yield f"first wrong step: {_fault_text(self.first_wrong)}"
         if self.first_switching and self.first_switching != self.first_wrong:
-            lines.append(f"first wrong step at a belt: {_fault_text(self.first_switching)}")
-        decisions = (
-            f"step {f.step}, t = {f.t_next:.10g}: {f.found} where {f.expected} is right"
-            for f in self.decisions
-        )
-        lines += _first_lines("wrong decision", [*decisions])
-        for one in self.diagnosis:
-            if one.cause != "precision":  # a note says already that samples are rounded
-                lines.append(f"diagnosis: {one.words} ({one.evidence})")
-                lines += [
-                    f"diagnosis: or: {other.words} ({other.evidence})" for other in one.alternatives
-                ]
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+            yield f"first wrong step at a belt: {_fault_text(self.first_switching)}"
+        decisions = [
+            f"step {fault.step}, t = {fault.t_next:.10g}: "
+            f"{fault.found} where {fault.expected} is right"
+            for fault in self.decisions
+        ]
+        yield from _first_lines("wrong decision", decisions)
+
+    def _about_causes(self) -> Iterator[str]:
+        """Yield lines about the probable causes."""
+        for diagnosis in self.diagnosis:
+            if diagnosis.cause == "precision":  # a note says already that samples are rounded
+                continue
+            yield f"diagnosis: {diagnosis.words} ({diagnosis.evidence})"
+            for second in diagnosis.alternatives:
+                yield f"diagnosis: or: {second.words} ({second.evidence})"
 
     def as_dict(self) -> Record:
         """Return the findings as plain values, without the samples."""
-        exact = ("t", "x", "v", "kind", "boundary", "source", "target")
-
-        def plain(event: Event | FoundEvent) -> Record:
-            if isinstance(event, FoundEvent):
-                return asdict(event)
-            return {name: getattr(event, name) for name in exact}
-
-        def fault(item: Fault | None) -> Record | None:
-            # JSON has no NaN: a step that cannot be decided has none.
-            if item:
-                values = asdict(item)
-            else:
-                values = {}
-            return {
-                name: None if value != value else value for name, value in values.items()
-            } or None
-
         worst = [
             None if np.isnan(value) else float(value)
             for value in np.max(np.abs(self.defects), axis=0)
@@ -299,27 +244,61 @@ class CrossCheck(Comparable, Drawable, Reportable):
             "wrong_steps": self.wrong_steps.tolist(),
             "wrong_spans": self.wrong_spans.tolist(),
             "matched": [
-                {**plain(match.event), "found_t": match.t, "error": match.error}
+                {**_plain_event(match.event), "found_t": match.t, "error": match.error}
                 for match in self.matched
             ],
-            **{name: [plain(event) for event in getattr(self, name)] for name in EVENT_LISTS[1:]},
-            "decisions": [fault(item) for item in self.decisions],
-            "first_wrong": fault(self.first_wrong),
-            "first_switching": fault(self.first_switching),
+            **{
+                name: [_plain_event(event) for event in getattr(self, name)]
+                for name in EVENT_LISTS[1:]
+            },
+            "decisions": [_plain_fault(fault) for fault in self.decisions],
+            "first_wrong": _plain_fault(self.first_wrong),
+            "first_switching": _plain_fault(self.first_switching),
             "compared_until": self.compared_until,
             "rounded": dict(self.rounded),
-            "diagnosis": [asdict(one) for one in self.diagnosis],
+            "diagnosis": [asdict(diagnosis) for diagnosis in self.diagnosis],
             "notes": list(self.notes),
         }
 
 
+def shown(verdict: Verdict) -> CrossCheck:
+    """Return a verdict as a result that can be shown, with the probable causes."""
+    values = {part.name: getattr(verdict, part.name) for part in fields(verdict)}
+    if verdict.coarser is not None:
+        values["coarser"] = shown(verdict.coarser)
+    return CrossCheck(**values)
+
+
+def _event_text(event: Event | FoundEvent) -> str:
+    """Return an event as text, such as "cross on belt 2 at t = 1.5"."""
+    belt = f" on belt {event.boundary}" if event.boundary else ""
+    return f"{event.kind}{belt} at t = {float(event.t):.10g}"
+
+
+def _plain_event(event: Event | FoundEvent) -> Record:
+    """Return an event as plain values."""
+    if isinstance(event, FoundEvent):
+        return asdict(event)
+    return {name: getattr(event, name) for name in EVENT_VALUES}
+
+
+def _plain_fault(fault: Fault | None) -> Record | None:
+    """Return a wrong step as plain values."""
+    if fault is None:
+        return None
+    # JSON has no NaN: a step that cannot be decided has none.
+    values = asdict(fault)
+    return {name: None if value != value else value for name, value in values.items()}
+
+
 def _first_lines(name: str, items: Sequence[str]) -> list[str]:
-    """Return the first items as lines that begin with `name`, and a line with the number of items left out."""
+    """Return the first items as lines that begin with `name`, and a line with the number of items
+    left out.
+    """
+    lines = [f"{name}: {item}" for item in items[:EVENTS_LISTED]]
     if len(items) > EVENTS_LISTED:
-        more = [f"{name}: and {len(items) - EVENTS_LISTED} more"]
-    else:
-        more = []
-    return [*(f"{name}: {item}" for item in items[:EVENTS_LISTED]), *more]
+        lines.append(f"{name}: and {len(items) - EVENTS_LISTED} more")
+    return lines
 
 
 def _fault_text(fault: Fault) -> str:
@@ -343,7 +322,8 @@ class CrossChecks(list[CrossCheck]):
     >>> from symosc import crosscheck, simulate
     >>> t = np.linspace(0, 7, 200)
     >>> x, v = simulate("fig5", t_end=7)(t)
-    >>> checks = crosscheck("fig5", [{"t": t, "x": x, "v": v}, {"t": t, "x": x, "v": v + (t > 5)}], partial=True)
+    >>> right, wrong = {"t": t, "x": x, "v": v}, {"t": t, "x": x, "v": v + (t > 5)}
+    >>> checks = crosscheck("fig5", [right, wrong], partial=True)
     >>> [check.ok for check in checks], checks.ok
     ([True, False], False)
     """
@@ -359,7 +339,8 @@ class CrossChecks(list[CrossCheck]):
 
     def __repr__(self) -> str:
         right = sum(check.ok for check in self)
-        return f"<CrossChecks of {counted(len(self), 'solution')}: {right:,} ok, {len(self) - right:,} failed>"
+        wrong = len(self) - right
+        return f"<CrossChecks of {counted(len(self), 'solution')}: {right:,} ok, {wrong:,} failed>"
 
     def summary(self) -> str:
         """Return the findings as lines of text.
@@ -369,8 +350,9 @@ class CrossChecks(list[CrossCheck]):
         failed = [
             (name, check) for name, check in zip(self.names, self, strict=True) if not check.ok
         ]
+        verdict = "FAILED" if failed else "ok"
         lines = [
-            f"{'FAILED' if failed else 'ok'}: {counted(len(self), 'solution')}, {len(failed):,} failed",
+            f"{verdict}: {counted(len(self), 'solution')}, {len(failed):,} failed",
             f"largest global error: {max(check.max_error_x for check in self):.2e} in x, "
             f"{max(check.max_error_v for check in self):.2e} in v",
         ]
@@ -379,14 +361,7 @@ class CrossChecks(list[CrossCheck]):
         )
         lines.append(f"events: {totals}")
         for name, check in failed[:MOST_LISTED]:
-            fault = check.first_wrong
-            if fault:
-                what = f"first wrong step at t = {fault.t:.10g}: {fault.reason}"
-            else:
-                what = "no step is wrong"
-            what = "; ".join([what, *filter(None, (check.wrong_start, check.early_end))])
-            counts = f"{len(check.wrong_steps)} wrong steps, {len(check.missed)} missed, {len(check.invented)} invented"
-            lines.append(f"{name}: {counts}; {what}")
+            lines.append(f"{name}: {_failure_text(check)}")
         if len(failed) > MOST_LISTED:
             lines.append(f"and {len(failed) - MOST_LISTED:,} more that failed")
         notes = dict.fromkeys(note for check in self for note in check.notes)
@@ -438,22 +413,36 @@ class CrossChecks(list[CrossCheck]):
         return imported("xarray").Dataset(data, coords={"solution": names})
 
 
-def _judged(task: Callable[[Samples], Any], name: str, samples: Samples) -> CrossCheck:
+def _failure_text(check: CrossCheck) -> str:
+    """Return in one line what is wrong with one of several solutions."""
+    counts = (
+        f"{len(check.wrong_steps)} wrong steps, {len(check.missed)} missed, "
+        f"{len(check.invented)} invented"
+    )
+    fault = check.first_wrong
+    first = "no step is wrong"
+    if fault:
+        first = f"first wrong step at t = {fault.t:.10g}: {fault.reason}"
+    return "; ".join(filter(None, (counts, first, check.wrong_start, check.early_end)))
+
+
+def _judged(task: Callable[[Samples], Task], name: str, samples: Samples) -> CrossCheck:
     """Judge samples by the `Task` that `task` makes of them.
 
     Add the solution's `name` to a ParameterError.
     """
     try:
-        found: CrossCheck = task(samples).verdict()
+        return shown(judge(task(samples)))
     except ParameterError as error:
-        raise ParameterError(
-            error.name, error.value, f"{error.allowed} (solution {name})"
-        ) from None
-    return found
+        what = f"{error.allowed} (solution {name})"
+        raise ParameterError(error.name, error.value, what) from None
 
 
 def check_all(
-    task: Callable[[Samples], Any], solutions: Sequence[Samples], workers: int, progress: Any
+    task: Callable[[Samples], Task],
+    solutions: Sequence[Samples],
+    workers: int,
+    progress: Progress | None,
 ) -> CrossChecks:
     """Judge each of `solutions` by the `Task` that `task` makes of it, in `workers` processes.
 
@@ -462,22 +451,27 @@ def check_all(
     count = min(workers, len(solutions))
     total = len(solutions)
     names = [samples.name or str(i) for i, samples in enumerate(solutions)]
-    found = list[CrossCheck]()
+    checks = list[CrossCheck]()
     with (
         reporting(progress or False, 0, total, "check", "solutions") as report,
         ExitStack() as stack,
     ):
-        each: Any = map
+        in_turn: Any = map
         if count > 1:
-            # A process that is forked needs no main module that can be imported.
-            forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
-            stack.enter_context(warnings.catch_warnings())
-            warnings.simplefilter(
-                "ignore", DeprecationWarning
-            )  # of forking beside threads, which are idle
-            pool = stack.enter_context(process_pool(count, "fork" if forks else "spawn"))
-            each = pool.map
-        for check in each(partial(_judged, task), names, solutions):
-            found.append(check)
-            report(len(found), total)
-    return CrossChecks(found, names)
+            in_turn = stack.enter_context(_processes(count)).map
+        for check in in_turn(partial(_judged, task), names, solutions):
+            checks.append(check)
+            report(len(checks), total)
+    return CrossChecks(checks, names)
+
+
+@contextmanager
+def _processes(count: int) -> Iterator[Any]:
+    """Open a pool of processes."""
+    # A process that is forked needs no main module that can be imported.
+    forks = sys.platform == "linux" and "fork" in multiprocessing.get_all_start_methods()
+    with warnings.catch_warnings():
+        # of forking beside threads, which are idle
+        warnings.simplefilter("ignore", DeprecationWarning)
+        with process_pool(count, "fork" if forks else "spawn") as pool:
+            yield pool

@@ -19,7 +19,9 @@ DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
 class Digits(NamedTuple):
-    """The rounding of a column as text ("6 decimals"), and one unit in the last digit of each of its numbers."""
+    """The rounding of a column as text ("6 decimals"), and one unit in the last digit of each of
+    its numbers.
+    """
 
     text: str
     units: np.ndarray
@@ -28,7 +30,8 @@ class Digits(NamedTuple):
 def find_rounding(
     samples: Samples, speeds: Iterable[float], start: float | None = None
 ) -> dict[str, Digits]:
-    """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer digits than a double.
+    """Return the rounding of the columns "t", "x", "v" and of listed "events" that have fewer
+    digits than a double.
 
     Velocities equal to one of the belts' `speeds` may have few digits anyway and show no rounding.
     Evenly spaced times, such as multiples of 0.05, count as rounded only if the first one is the
@@ -38,7 +41,9 @@ def find_rounding(
     x = find_digits(samples.x, samples.x[:1])
     v = find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
-        x, v = x or _as_neighbour(samples.x, v), v or _as_neighbour(samples.v, x)
+        of_x = x or _as_neighbour(samples.x, v)
+        v = v or _as_neighbour(samples.v, x)
+        x = of_x
     t = None
     if x is not None or v is not None:
         t = find_digits(samples.t, samples.t[:1])
@@ -73,17 +78,21 @@ def find_digits(
     numbers = values[(values != 0.0) & ~np.isin(values, list(natural))]
     if len(numbers) < least:
         return None
-    found = _decimal(values, numbers) or _single(values, numbers)
+    decimal = _decimal(values, numbers) or _single(values, numbers)
     grid = _grid(values, numbers)
     # Steps of a converter may have a few decimals, or a few bits, themselves.
-    coarser = grid is not None and (found is None or np.min(grid.units) > 1.5 * np.max(found.units))
+    coarser = grid is not None and (
+        decimal is None or np.min(grid.units) > 1.5 * np.max(decimal.units)
+    )
     if coarser:
         return grid
-    return found
+    return decimal
 
 
 def _as_neighbour(values: np.ndarray, beside: Digits | None) -> Digits | None:
-    """Return `beside`, the rounding of the column x (or v), if it fits the `values` of v (or x) too; else None."""
+    """Return `beside`, the rounding of the column x (or v), if it fits the `values` of v (or x)
+    too; else None.
+    """
     if beside is None or np.ptp(beside.units) > 0.0:
         return None
     if _are_multiples(values, beside.units):
@@ -188,7 +197,9 @@ def _exponents(values: np.ndarray) -> np.ndarray:
 
 
 def _fits(values: np.ndarray, places: np.ndarray) -> bool:
-    """Return whether each of `values` is a multiple of 10^-n, n being its number of decimals in `places`."""
+    """Return whether each of `values` is a multiple of 10^-n, n being its number of decimals in
+    `places`.
+    """
     if len(values) > FEW_VALUES and not _fits(values[:FEW_VALUES], places[:FEW_VALUES]):
         return False
     with np.errstate(over="ignore", invalid="ignore"):

@@ -78,7 +78,8 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
 
 
 def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
-    """Raise ParameterError if two samples at one time, where pieces are joined, differ too much in x or v.
+    """Raise ParameterError if two samples at one time, where pieces are joined, differ too much in
+    x or v.
 
     They may differ by the fraction `part` of the largest |x| or |v|, plus twice the error that
     `slack`, of shape (n, 2), allows to each sample.
@@ -90,10 +91,11 @@ def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
         wrong = np.flatnonzero(jump > limit)
         if len(wrong):
             i = int(twice[wrong[0]]) + 1
-            what = f"is repeated with another state ({name} jumps by {jump[wrong[0]]:.3g}); the times must increase"
-            raise ParameterError(
-                f"t[{i}]", float(samples.t[i]), f"{what}, but where two pieces are joined"
+            what = (
+                f"is repeated with another state ({name} jumps by {jump[wrong[0]]:.3g}); "
+                "the times must increase, but where two pieces are joined"
             )
+            raise ParameterError(f"t[{i}]", float(samples.t[i]), what)
 
 
 def _column(name: str, values: Any) -> np.ndarray:

@@ -16,7 +16,8 @@ from symosc.scenes import STARTS, Scene
 
 
 def run_solver(name: str, scene: Scene) -> Any:
-    """Return what the solver "MODULE:FUNCTION" or "file.py:FUNCTION" returns for (parameters, t0, x0, v0, t_end).
+    """Return what the solver "MODULE:FUNCTION" or "file.py:FUNCTION" returns for (parameters, t0,
+    x0, v0, t_end).
 
     It prints to standard error. ParameterError if it does not exist, fails, or returns nothing.
     """

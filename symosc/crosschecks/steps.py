@@ -1,4 +1,5 @@
-"""The exact motion over each step of samples, restarted from every sample, and the error bounds of right samples.
+"""The exact motion over each step of samples, restarted from every sample, and the error bounds of
+right samples.
 
 Two motions of one scene never move apart. Friction falls with the velocity, so for the differences
 X and V of two motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the sign of V), through
@@ -55,11 +56,13 @@ STEPS_TOGETHER = 1 << 16
 CLEARANCE = 1e-9
 
 
-# -- how far right samples may be off ----------------------------------------------------------------------------------
+# -- how far right samples may be off --------------------------------------------------------------
 
 
 def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
-    """Bound the difference [x, v] of two exact motions that differed by `off` a time `tau` ago, with any events."""
+    """Bound the difference [x, v] of two exact motions that differed by `off` a time `tau` ago,
+    with any events.
+    """
     if not np.any(off):
         return np.zeros(2)
     x = off[..., 0]
@@ -89,7 +92,8 @@ def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndar
 
 
 def push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
-    """Return the largest possible acceleration at given |x| and |v|, whatever the phase and the domain.
+    """Return the largest possible acceleration at given |x| and |v|, whatever the phase and the
+    domain.
 
     Domains that no mass with the largest of the given |v| is in do not count.
     """
@@ -103,7 +107,9 @@ def push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> A
 
 
 def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.ndarray:
-    """Bound the errors of x and v of each sample, (n, 2), given the rounding of its t, x and v, (3, n)."""
+    """Bound the errors of x and v of each sample, (n, 2), given the rounding of its t, x and v, (3,
+    n).
+    """
     if samples.v_off is None and not np.any(rounding):
         return np.broadcast_to(0.0, (len(samples.t), 2))
     t, x, v = rounding
@@ -118,7 +124,7 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
     )
 
 
-# -- the exact motion over the steps -----------------------------------------------------------------------------------
+# -- the exact motion over the steps ---------------------------------------------------------------
 
 
 class StepEvents(NamedTuple):
@@ -173,7 +179,9 @@ class ExactSteps:
         return min(max(int(low), 0), last), min(max(int(high), 0), last)
 
     def flight(self, domain: Any, since: Any, until: Any) -> np.ndarray:
-        """Return x, v of flights from samples `since`, at the times of samples `until`, with the force of `domain`."""
+        """Return x, v of flights from samples `since`, at the times of samples `until`, with the
+        force of `domain`.
+        """
         return self.fly(
             domain, self.x[since], self.v[since], self.theta[since], self.t[until] - self.t[since]
         )
@@ -181,7 +189,9 @@ class ExactSteps:
     def fly(
         self, domain: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray
     ) -> np.ndarray:
-        """Return x, v after flights over times `tau` with the force of `domain`, one number or an array."""
+        """Return x, v after flights over times `tau` with the force of `domain`, one number or an
+        array.
+        """
         K = self.K
         s = np.sin(theta)
         c = np.cos(theta)
@@ -250,7 +260,8 @@ def _follow_samples(
         # On a belt both agree up to rounding: then it is on the belt.
         better = ~(np.max(np.abs(others) / scales[either], axis=1) > size * (1.0 + 1e-6) + EPS)
         chosen = either[better]
-        defects[chosen], modes[:, chosen] = others[better], other_modes[:, better]
+        defects[chosen] = others[better]
+        modes[:, chosen] = other_modes[:, better]
         events = _merged(events, other_events, chosen)
     return defects, modes, events
 
@@ -293,11 +304,12 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
     return np.asarray(np.where(theta >= TWO_PI, 0.0, theta))
 
 
-# -- steps in which surely nothing happens -----------------------------------------------------------------------------
+# -- steps in which surely nothing happens ---------------------------------------------------------
 
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers of starts that certainly have no event for a time `left`, and their states [x, v] after it.
+    """Return the numbers of starts that certainly have no event for a time `left`, and their states
+    [x, v] after it.
 
     `rows` are starts as `engine.start.start_rows` makes them.
     """
@@ -340,7 +352,7 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     return numbers[quiet], ends[quiet]
 
 
-# -- steps that need the event search ----------------------------------------------------------------------------------
+# -- steps that need the event search --------------------------------------------------------------
 
 
 def _follow(
@@ -356,18 +368,18 @@ def _follow(
     if loaded_loop() is None:
         FEW_STEPS.events -= len(rows)
     t, x, theta = numbers[[0, 1, 3]]
-    found = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
+    events = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
     undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(undecided):
         singles = [event for i in undecided.tolist() for event in _follow_one(batch, rows, i, K)]
         columns = np.array(singles, dtype=float).reshape(-1, 7).T
         step, kind, boundary, target = columns[[0, 4, 5, 6]].astype(int)
         others = StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target)
-        found = _merged(found, others, undecided)
+        events = _merged(events, others, undecided)
     modes = batch.states["mode"].astype(int)
-    ends = _ends(rows, modes, left, found, K)
+    ends = _ends(rows, modes, left, events, K)
     ends[batch.codes == FAILED] = np.nan
-    return modes, ends, found
+    return modes, ends, events
 
 
 def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:
@@ -385,7 +397,9 @@ def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:
 def _ends(
     rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants
 ) -> np.ndarray:
-    """Return the final state [x, v] of each row in closed form, from its last event or, without one, its start."""
+    """Return the final state [x, v] of each row in closed form, from its last event or, without
+    one, its start.
+    """
     theta = rows["theta"].copy()
     x = rows["x"].copy()
     v = rows["v"].copy()
@@ -443,7 +457,8 @@ def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEv
     kept = ~np.isin(events.step, steps)
     taken = np.isin(others.step, steps)
     columns = [
-        np.concatenate([one[kept], other[taken]]) for one, other in zip(events, others, strict=True)
+        np.concatenate([one[kept], replaced[taken]])
+        for one, replaced in zip(events, others, strict=True)
     ]
     order = np.lexsort((columns[1], columns[0]))
     return StepEvents(*(column[order] for column in columns))

@@ -28,11 +28,17 @@ from symosc.engine.flow import Constants
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
 from symosc.model import Parameters
-from symosc.scenes import STARTS, Scene
+from symosc.scenes import STARTS, Scene, parameters_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
-NOTE = "velocities were not given: they are those with which the exact motion leads from one position to the next"
+NOTE = (
+    "velocities were not given: they are those with which the exact motion leads from one position "
+    "to the next"
+)
+NOTE_OF_ROUNDED = (
+    "velocities were not given: they are those of an exact motion that has the rounded positions"
+)
 # Longest step, in units of 1/rate, over which a velocity is found without that of the sample
 # before.
 LONGEST_FLIGHT = 1.0
@@ -55,7 +61,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     Return new samples.
     """
     # ParameterError if the positions are too far apart in time to determine them.
-    p = scene if isinstance(scene, Parameters) else scene.parameters
+    p = parameters_of(scene)
     K = Arithmetic(p).K._replace(sigmas=0.0)
     digits = find_digits(samples.x, samples.x[:1])
     rounded = np.zeros(len(samples.x)) if digits is None else digits.units
@@ -66,14 +72,16 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
         if fitted is not None:
             return fitted
     few = replace(samples, t=samples.t[telling], x=samples.x[telling])
-    found = _from_positions(few, scene, K, tolerance, rounded[telling])
+    computed = _from_positions(few, scene, K, tolerance, rounded[telling])
     if len(telling) == len(samples.t):
-        return found
-    return _filled(K, p, samples, found, telling[len(telling) - len(found.t) :])
+        return computed
+    return _filled(K, p, samples, computed, telling[len(telling) - len(computed.t) :])
 
 
 def _telling_samples(p: Parameters, t: np.ndarray) -> np.ndarray:
-    """Return the numbers of samples that are far enough apart in time for positions to tell a velocity."""
+    """Return the numbers of samples that are far enough apart in time for positions to tell a
+    velocity.
+    """
     # Rounding of x and errors far below the tolerance, divided by a tiny step, are no small
     # velocity.
     least = min(TELLING_STEP / fastest_rate(p), float(t[-1] - t[0]) / FEWEST_STEPS)
@@ -90,7 +98,8 @@ def _telling_samples(p: Parameters, t: np.ndarray) -> np.ndarray:
 def _filled(
     K: Constants, p: Parameters, samples: Samples, few: Samples, telling: np.ndarray
 ) -> Samples:
-    """Return samples with the velocities of `few`, which are those numbered `telling`, and between them.
+    """Return samples with the velocities of `few`, which are those numbered `telling`, and between
+    them.
 
     Between them the exact motion leads from the one before to a sample.
     """
@@ -126,8 +135,10 @@ def _from_positions(
     tolerance: float,
     rounded: np.ndarray,
 ) -> Samples:
-    """Return samples, `rounded` to these units, with the velocities that neighbouring positions tell."""
-    p = scene if isinstance(scene, Parameters) else scene.parameters
+    """Return samples, `rounded` to these units, with the velocities that neighbouring positions
+    tell.
+    """
+    p = parameters_of(scene)
     t = samples.t
     x = samples.x
     tau = np.diff(t)
@@ -223,17 +234,16 @@ def _fit_motion(
     if best > GOOD_FIT:
         guesses = _first_guesses(p, t[telling], x[telling])
         as_guessed = (_motion(p, t[-1], t[0], x[0], v0) for v0 in guesses)
-        for each in chain(as_guessed, (_fitted(p, t, x, v0, misfit) for v0 in guesses)):
-            if (found := misfit(each)) < best:
-                motion = each
-                best = found
+        for guess in chain(as_guessed, (_fitted(p, t, x, v0, misfit) for v0 in guesses)):
+            if (size := misfit(guess)) < best:
+                motion = guess
+                best = size
             if best <= GOOD_FIT:
                 break
     if motion is None or best > WORST_FIT:
         return None
-    note = "velocities were not given: they are those of an exact motion that has the rounded positions"
     v = motion(np.maximum(t, float(motion.t_start)))[1]
-    return replace(samples, v=v, v_off=half, notes=(*samples.notes, note))
+    return replace(samples, v=v, v_off=half, notes=(*samples.notes, NOTE_OF_ROUNDED))
 
 
 def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajectory | None:
@@ -241,15 +251,17 @@ def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajector
 
     None if the model does not allow it.
     """
-    given: Record = dict(zip(STARTS, map(float, start), strict=False))
+    numbers: Record = dict(zip(STARTS, map(float, start), strict=False))
     try:
-        return simulate(scene, t_end=float(t_end), max_events=20_000, **given)
+        return simulate(scene, t_end=float(t_end), max_events=20_000, **numbers)
     except ParameterError:
         return None
 
 
 def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
-    """Return initial velocities with which the exact motion is nearest to the first positions, best first."""
+    """Return initial velocities with which the exact motion is nearest to the first positions, best
+    first.
+    """
     count = max(8, int(np.searchsorted(t, t[0] + 1.0 / fastest_rate(p))))
     tau = t[:count] - t[0]
     few = max(3, int(np.searchsorted(tau, 0.3 / fastest_rate(p))))
@@ -312,7 +324,9 @@ def _fitted(
 def _is_start(
     scene: Scene | Parameters, samples: Samples, off: float, clock: float = 0.0
 ) -> TypeGuard[Scene]:
-    """Return whether the first sample is the scene's start, up to an error `off` of x and `clock` of t."""
+    """Return whether the first sample is the scene's start, up to an error `off` of x and `clock`
+    of t.
+    """
     if isinstance(scene, Parameters):
         return False
     near = abs(float(scene.x0) - float(samples.x[0])) <= off + abs(float(scene.v0)) * clock
@@ -322,7 +336,9 @@ def _is_start(
 def _flight_velocities(
     t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at the starts and at the ends of flights over all steps, each (3, n - 1), a row per domain."""
+    """Return velocities at the starts and at the ends of flights over all steps, each (3, n - 1), a
+    row per domain.
+    """
     tau = np.diff(t)
     s = np.sin(theta[:-1])
     c = np.cos(theta[:-1])
@@ -347,12 +363,14 @@ def _flight_velocities(
         end = v + flown(v, A)[1]
         inside = usable & (v >= walls[domain]) & (v <= walls[domain + 1])
         inside &= (end >= walls[domain]) & (end <= walls[domain + 1])
-        starts[domain], ends[domain] = np.where(inside, v, np.nan), np.where(inside, end, np.nan)
+        starts[domain] = np.where(inside, v, np.nan)
+        ends[domain] = np.where(inside, end, np.nan)
     return starts, ends
 
 
 def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return for each inner sample how nearly a flight to it and a flight from it agree about its velocity.
+    """Return for each inner sample how nearly a flight to it and a flight from it agree about its
+    velocity.
 
     `ends` and `starts` have the velocities of these flights, a row for each force or belt. The
     results are the smallest difference, and the rows of `ends` and of `starts` that have it.
@@ -365,14 +383,17 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarr
         for j in range(len(starts)):
             gap = np.abs(ends[i, :-1] - starts[j, 1:])
             closer = gap < best
-            best[closer], left[closer], right[closer] = gap[closer], i, j
+            best[closer] = gap[closer]
+            left[closer] = i
+            right[closer] = j
     return best, left, right
 
 
 def _agreed(
     starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray
 ) -> np.ndarray:
-    """Return the velocities of samples at which a flight to and one from them agree, and of their neighbours; else NaN.
+    """Return the velocities of samples at which a flight to and one from them agree, and of their
+    neighbours; else NaN.
 
     `sure` are the numbers of these samples, counted from the second one; `starts`, `ends` are the
     velocities of flights over steps, and `left` and `right` the rows that `_nearest` returns.
@@ -395,16 +416,18 @@ def _agreed(
 def _continued(
     K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray
 ) -> np.ndarray:
-    """Fill in unknown velocities by the exact motion from the sample before, or else by interpolation."""
+    """Fill in unknown velocities by the exact motion from the sample before, or else by
+    interpolation.
+    """
     for _ in range(100):
         steps = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
         if not len(steps):
             break
         on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
-        found = follow_from(K, np.array([t, x, np.where(np.isnan(v), 0.0, v), theta]), steps, on)[
-            0
-        ][:, 1]
-        v[steps + 1] = np.where(np.isnan(found), v[steps], found)
+        followed = follow_from(
+            K, np.array([t, x, np.where(np.isnan(v), 0.0, v), theta]), steps, on
+        )[0][:, 1]
+        v[steps + 1] = np.where(np.isnan(followed), v[steps], followed)
     rest = np.flatnonzero(np.isnan(v))
     if len(rest):
         v[rest] = np.interp(t[rest], t[~np.isnan(v)], v[~np.isnan(v)])

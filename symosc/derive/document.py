@@ -19,6 +19,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
+from markupsafe import Markup as Html
+
+from symosc.base.display.pages import render
 from symosc.base.errors import SymoscError
 from symosc.base.files import make_folder, write_text
 from symosc.derive import front
@@ -413,29 +416,30 @@ def as_page(chapters: list[Checked], scope: Scope) -> str:
     """Return chapters as one self-contained HTML page."""
     numbers = numbers_of(chapters)
     html = _converter(numbers)
-    title = html(front.TITLE)
-    contents = "".join(
-        f'<li value="{chapter.number}"><a href="#sec-{chapter.number}">{html(chapter.title)}</a></li>'
-        for chapter in chapters
-    )
     opening = [front.ABSTRACT, front.LEGEND, front.how_to_cite(), front.scene_numbers(scope)]
-    opening += [front.ALONE] * (len(chapters) == 1)
-    out = [
-        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>{title}</title>',
-        '<meta name="viewport" content="width=device-width">',
-        f"<style>{STYLE}{font_style()}</style></head><body>",
-        f"<h1>{title}</h1>",
-        *(_paragraph(html(text)) for text in opening if text),
-        f"<h2>Contents</h2><ol>{contents}</ol>",
-    ]
+    if len(chapters) == 1:
+        opening.append(front.ALONE)
+    notation = ""
     if len(chapters) > 1:
-        out.append(f'<h2 id="notation">Notation</h2>\n{_table(front.HEADS, front.NOTATION, html)}')
-    for chapter in chapters:
-        out.append(f'<h2 id="sec-{chapter.number}">{chapter.number}. {html(chapter.title)}</h2>')
-        out.append(as_html(chapter, scope, numbers, 3))
-    references = cited("".join(opening) + _texts(chapters))
-    items = "".join(f'<li id="ref-{key}">{words(plain_line(key))}</li>' for key in references)
-    return "\n".join([*out, f"<h2>References</h2><ul>{items}</ul>", "</body></html>"]) + "\n"
+        notation = _table(front.HEADS, front.NOTATION, html)
+    sections = [
+        {
+            "number": chapter.number,
+            "title": Html(html(chapter.title)),
+            "content": Html(as_html(chapter, scope, numbers, 3)),
+        }
+        for chapter in chapters
+    ]
+    keys = cited("".join(opening) + _texts(chapters))
+    content = {
+        "title": Html(html(front.TITLE)),
+        "style": Html(STYLE + font_style()),
+        "opening": [Html(_paragraph(html(text))) for text in opening if text],
+        "notation": Html(notation),
+        "chapters": sections,
+        "references": {key: Html(words(plain_line(key))) for key in keys},
+    }
+    return render("derive/templates/page.html.j2", content)
 
 
 def as_html(

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 from unicodedata import normalize
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
+from symosc.base.display.pages import render
 from symosc.base.errors import OutputError
 from symosc.base.files import draft_in
 from symosc.bench import machine
@@ -33,6 +33,7 @@ from symosc.paper.claims import (
 )
 from symosc.paper.run import ERROR, Results
 
+TEMPLATE = "paper/templates/report.html.j2"
 #: A word of its own for each verdict (used as a class name), and its sign: colour is never alone.
 BADGES = {
     CONFIRMED: ("confirmed", "✓"),
@@ -134,9 +135,10 @@ def files(results: Results) -> dict[str, str]:
         "erratum_numbers": {erratum.id: erratum.number for erratum in plan.errata},
         "drawn": drawn,
         "chapters": results.chapters,
+        "font_style": Markup(font_style()),
     }
     texts = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
-    texts["report.html"] = render("report.html.j2", context)
+    texts["report.html"] = render(TEMPLATE, context, FILTERS)
     texts["report.json"] = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
     return texts
 
@@ -157,26 +159,18 @@ def write(folder: Path, texts: Mapping[str, str]) -> None:
         raise OutputError(str(folder), error.strerror or str(error)) from None
 
 
-def render(template: str, context: Mapping[str, Any]) -> str:
-    """Return the text of a template in the folder `templates`, filled in with the values of
-    `context`.
-    """
-    environment = Environment(
-        loader=PackageLoader("symosc.paper"),
-        autoescape=lambda name: name is not None and ".html" in name,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters |= {
-        "typeset": lambda text: Markup(typeset(text)),
-        "data_uri": lambda svg: (
-            f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
-        ),
-    }
-    environment.globals["font_style"] = lambda: Markup(font_style())
-    return environment.get_template(template).render(context)
+def data_uri(svg: str) -> str:
+    """Return a picture as an address that holds all of it."""
+    return f"data:image/svg+xml;base64,{b64encode(svg.encode()).decode('ascii')}"
+
+
+def typeset_html(text: str) -> Markup:
+    """Return running text with its formulas as HTML."""
+    return Markup(typeset(text))
+
+
+#: What the template calls to fill in texts and pictures.
+FILTERS = {"typeset": typeset_html, "data_uri": data_uri}
 
 
 # --- short formulas in running text, such as F(1) >= -mu1 FN or 1.2e-30, as HTML ---

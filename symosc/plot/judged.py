@@ -22,10 +22,13 @@ from matplotlib.lines import Line2D
 from symosc.analysis.fitting.fit import Fit
 from symosc.base.aliases import Record
 from symosc.base.arguments import public, require, sequence_of
+from symosc.base.display.pages import render
 from symosc.base.errors import ParameterError
 from symosc.base.exact import whole_number
 from symosc.base.files import check_folder_of, write_text
 from symosc.certificates.certificate import Certificate
+from symosc.crosschecks.causes import CAUSES
+from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.report import CrossCheck
 from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, panels_for, shown_name
 from symosc.simulation.simulate import simulate
@@ -257,7 +260,9 @@ def step_figure(
 
 
 def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> None:
-    """Draw the velocity or the position in a step, with the exact motion from its first sample on."""
+    """Draw the velocity or the position in a step, with the exact motion from its first sample
+    on.
+    """
     if of_velocity:
         values = check.v
         name = "$v$"
@@ -322,7 +327,9 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
 
 # -- the page of a cross-check ---------------------------------------------------------------------
 
-MOST_ROWS = 200  # of a table
+#: Rows of a table, and those that are shown before the reader unfolds the rest.
+MOST_ROWS = 200
+FIRST_ROWS = 8
 
 
 def write_page(check: CrossCheck, path: str | Path) -> Path:
@@ -330,34 +337,27 @@ def write_page(check: CrossCheck, path: str | Path) -> Path:
 
     OutputError if this fails.
     """
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    from symosc.crosschecks.causes import CAUSES, REASONS
-
     check_folder_of(path)
     events = _events(check)
-    content: Record = {"check": check, "verdict": _verdict(check), "events": events[:MOST_ROWS]}
-    content |= {
+    content: Record = {
+        "check": check,
+        "verdict": _verdict(check),
+        "events": events[:MOST_ROWS],
+        "event_count": len(events),
+        "faults": [_fault_row(fault) for fault in check.faults[:MOST_ROWS]],
         "causes": CAUSES,
         "reasons": REASONS,
         "pictures": list(_pictures(check)),
-        "event_count": len(events),
+        "shown": FIRST_ROWS,
     }
-    faults = []
-    for each in check.faults[:MOST_ROWS]:
-        guess = f"{REASONS[each.reason].capitalize()}: {each.words}"
-        faults.append(
-            (each.step, f"{each.t:.10g}", f"{each.defect_x:.1e}", f"{each.defect_v:.1e}", guess)
-        )
-    content |= {"faults": faults, "shown": 8}  # rows of a table before the reader unfolds the rest
-    options: Record = {
-        "autoescape": True,
-        "undefined": StrictUndefined,
-        "trim_blocks": True,
-        "lstrip_blocks": True,
-    }
-    environment = Environment(loader=PackageLoader("symosc.plot", "templates"), **options)
-    return write_text(path, environment.get_template("crosscheck.html.j2").render(content))
+    return write_text(path, render("plot/templates/crosscheck.html.j2", content))
+
+
+def _fault_row(fault: Fault) -> tuple[Any, ...]:
+    """Return the row of the page's table about a wrong step."""
+    guess = f"{REASONS[fault.reason].capitalize()}: {fault.words}"
+    defects = f"{fault.defect_x:.1e}", f"{fault.defect_v:.1e}"
+    return (fault.step, f"{fault.t:.10g}", *defects, guess)
 
 
 def _verdict(check: CrossCheck) -> str:
@@ -391,10 +391,7 @@ def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
     rows.sort(key=lambda row: float(row[2].t))
     texts: list[tuple[Any, ...]] = []
     for verdict, error, event in rows:
-        if event.source:
-            way = f"{event.source} → {event.target}"
-        else:
-            way = ""
+        way = f"{event.source} → {event.target}" if event.source else ""
         texts.append(
             (f"{float(event.t):.10g}", event.kind, str(event.boundary or ""), verdict, error, way)
         )
@@ -556,10 +553,10 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         }
         looks.append(look | {"markersize": 3.2, "markeredgewidth": 0})
     with axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
-        for i, each in enumerate(scores):
+        for i, score in enumerate(scores):
             shift = 0.8 * ((i + 0.5) / len(scores) - 0.5)
             drawn = [
-                (k + shift, h) for k, h in enumerate(map(_height, each.cases)) if h is not None
+                (k + shift, h) for k, h in enumerate(map(_height, score.cases)) if h is not None
             ]
             if drawn:
                 ax.plot(*zip(*drawn, strict=True), **looks[i])
@@ -576,8 +573,8 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
         ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
         names = [
-            Line2D([], [], label=shown_name(each.name), **look)
-            for each, look in zip(scores, looks, strict=True)
+            Line2D([], [], label=shown_name(score.name), **look)
+            for score, look in zip(scores, looks, strict=True)
         ]
         drawing.legend(
             handles=names, loc="outside upper right", ncols=min(4, len(names)), frameon=False

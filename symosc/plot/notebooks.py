@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from decimal import Decimal
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from markupsafe import Markup
@@ -19,6 +19,7 @@ from markupsafe import Markup
 from symosc.analysis.response import FrequencyResponse
 from symosc.base.aliases import Record
 from symosc.base.display.drawable import Listing
+from symosc.base.display.pages import macros
 from symosc.base.exact import show
 from symosc.base.quantities import QUANTITIES, unit_of
 from symosc.certificates.atlas import Atlas
@@ -46,18 +47,10 @@ TAIL_ROWS = 3
 PICTURE_WIDTH = 260
 PICTURE_HEIGHT = 130
 PICTURE_MARGIN = 6
-#: Of a width and height: the size of its frame, what it shows, the path of a curve, and dots on it.
-PICTURE = Markup(
-    '<svg xmlns="http://www.w3.org/2000/svg" role="img" width="{0}" height="{1}" viewBox="0 0 '
-    '{0} {1}">'
-    '<title>{4}</title><rect x="0.5" y="0.5" width="{2}" height="{3}" fill="none" '
-    'stroke="currentColor" '
-    'stroke-opacity="0.25"/><path d="{5}" fill="none" stroke="currentColor" '
-    'stroke-width="1.2"/>{6}</svg>'
-)
 #: Points of a curve, at most.
 MOST_POINTS = 600
-CELL = "text-align:left;padding:1px 12px 1px 0;white-space:nowrap"
+#: The macros of pages, tables and pictures.
+PARTS = "plot/templates/notebook.html.j2"
 
 
 # -- parts of pages --------------------------------------------------------------------------------
@@ -67,29 +60,20 @@ def page(kind: str, line: str, *parts: str) -> Markup:
     """Return the HTML of a notebook page: a bold `kind`, the text `line`, then tables and pictures
     side by side.
     """
-    shown = Markup("").join(Markup("<div>{}</div>").format(part) for part in parts if part)
-    head = Markup('<div style="margin-bottom:4px"><strong>{}</strong> {}</div>').format(kind, line)
-    row = Markup(
-        '<div style="display:flex;flex-wrap:wrap;gap:8px 24px;align-items:flex-start">{}</div>'
-    ).format(shown)
-    return Markup('<div class="symosc" style="max-width:100%;overflow-x:auto">{}{}</div>').format(
-        head, row
-    )
+    return cast(Markup, macros(PARTS).page(kind, line, parts))
 
 
 def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]]) -> Markup:
     """Return an HTML table with headings `heads` and `count` rows row(i), the middle ones left out
     if many, or "".
     """
+    if not count:
+        return Markup("")
     some = rows_to_show(count)
-    rows = [_table_row("td", map(shown, row(i))) for i in some]
-    if len(some) < count:
-        gap = Markup('<tr><td colspan="{}" style="{};opacity:0.6">… {:,} more</td></tr>')
-        rows.insert(HEAD_ROWS, gap.format(len(heads), CELL, count - len(some)))
-    whole = Markup("<table><thead>{}</thead><tbody>{}</tbody></table>")
-    if rows:
-        return whole.format(_table_row("th", heads), Markup("").join(rows))
-    return Markup("")
+    rows = [[shown(value) for value in row(i)] for i in some]
+    left_out = count - len(some)
+    gap = f"{left_out:,}" if left_out else ""
+    return cast(Markup, macros(PARTS).table(heads, rows[:HEAD_ROWS], gap, rows[HEAD_ROWS:]))
 
 
 def rows_to_show(count: int) -> list[int]:
@@ -100,11 +84,6 @@ def rows_to_show(count: int) -> list[int]:
     if count <= HEAD_ROWS + TAIL_ROWS:
         return list(every)
     return [*every[:HEAD_ROWS], *every[-TAIL_ROWS:]]
-
-
-def _table_row(tag: str, cells: Iterable[Any]) -> Markup:
-    texts = (Markup('<{0} style="{1}">{2}</{0}>').format(tag, CELL, cell) for cell in cells)
-    return Markup("<tr>{}</tr>").format(Markup("").join(texts))
 
 
 def shown(value: Any) -> Any:
@@ -120,13 +99,8 @@ def shown(value: Any) -> Any:
 
 def facts(values: dict[str, Any]) -> Markup:
     """Return an HTML table of names and values, without those that are None."""
-    line = Markup('<tr><th style="{}">{}</th><td style="{}">{}</td></tr>')
-    lines = (
-        line.format(CELL, name, CELL, shown(value))
-        for name, value in values.items()
-        if value is not None
-    )
-    return Markup("<table><tbody>{}</tbody></table>").format(Markup("").join(lines))
+    known = {name: shown(value) for name, value in values.items() if value is not None}
+    return cast(Markup, macros(PARTS).facts(known))
 
 
 def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) -> Markup:
@@ -156,12 +130,8 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
             pen = "L"
         else:
             pen = "M"
-    dot = '<circle cx="{:.1f}" cy="{:.1f}" r="2.6" fill="#d7191c"/>'
-    dots = "".join(
-        dot.format(across(place), PICTURE_HEIGHT - up(height)) for place, height in marks
-    )
-    frame = PICTURE_WIDTH - 1, PICTURE_HEIGHT - 1
-    return PICTURE.format(PICTURE_WIDTH, PICTURE_HEIGHT, *frame, says, text, Markup(dots))
+    dots = [(across(place), PICTURE_HEIGHT - up(height)) for place, height in marks]
+    return cast(Markup, macros(PARTS).picture(PICTURE_WIDTH, PICTURE_HEIGHT, says, text, dots))
 
 
 def _scale(values: np.ndarray, size: int) -> Callable[[float], float]:

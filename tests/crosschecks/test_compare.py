@@ -22,7 +22,7 @@ from symosc.crosschecks import compare
 from symosc.crosschecks.samples import checked
 from symosc.crosschecks.velocities import NOTE, with_velocities
 
-# -- compare -----------------------------------------------------------------------------------------------------------
+# -- compare ---------------------------------------------------------------------------------------
 
 
 def check(name: str, t_end: float, **options: Any) -> tuple[Run, CrossCheck]:
@@ -74,16 +74,16 @@ def test_a_solution_that_is_right_to_1e_10_is_right(grid: Any) -> None:
 
 def test_an_unknown_cause_explains_none_of_the_steps() -> None:
     """Here the steps are too long to tell: each lasts a hundred periods of the drive."""
-    (one,) = crosscheck("fig5", [0, 700, 1400], [0, 1, 0], [0, 0, 0]).diagnosis
-    assert (one.cause, one.share) == ("unknown", 0.0)
+    (diagnosis,) = crosscheck("fig5", [0, 700, 1400], [0, 1, 0], [0, 0, 0]).diagnosis
+    assert (diagnosis.cause, diagnosis.share) == ("unknown", 0.0)
 
 
 @pytest.mark.slow
 def test_errors_that_add_up_fail_in_the_end() -> None:
     scene = load_scene("fig9")
-    other = scene.parameters.replace(k="3.000001")
+    changed = scene.parameters.replace(k="3.000001")
     t = np.linspace(float(scene.t0), 8, 2001)
-    x, v = simulate(other, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=8)(t)
+    x, v = simulate(changed, t0=scene.t0, x0=scene.x0, v0=scene.v0, t_end=8)(t)
     result = crosscheck(scene, t, x, v)
     assert result.wrong_steps.size == 0
     assert crosscheck(scene, t, x, v, global_tolerance=1e-5).ok
@@ -94,15 +94,15 @@ def test_a_solution_starts_where_the_scene_does() -> None:
     """... or on its motion later; own_start allows another start."""
     t = np.linspace(0, 40, 800)
     x, v = simulate("fig5")(t)
-    other = simulate("fig5", x0="0.1")(t)
-    wrong = compare.crosscheck("fig5", t, *other)
+    elsewhere = simulate("fig5", x0="0.1")(t)
+    wrong = compare.crosscheck("fig5", t, *elsewhere)
     assert not wrong.ok
     assert not len(wrong.wrong_steps) + len(wrong.missed) + len(wrong.invented)
     said = "the solution starts at t0 = 0, x0 = 0.1, v0 = 0; fig5 starts at t0 = 0, x0 = 0, v0 = 0"
     assert f"wrong start: {said}" in wrong.summary()
     assert wrong.as_dict()["wrong_start"] == said
-    assert [one.words for one in wrong.diagnosis] == [said]
-    allowed = compare.crosscheck("fig5", t, *other, own_start=True)
+    assert [diagnosis.words for diagnosis in wrong.diagnosis] == [said]
+    allowed = compare.crosscheck("fig5", t, *elsewhere, own_start=True)
     assert allowed.ok
     assert said in allowed.notes
     for first in (1, 100, 700):  # on the scene's motion, from later on
@@ -111,7 +111,7 @@ def test_a_solution_starts_where_the_scene_does() -> None:
     assert not compare.crosscheck(
         "fig5", t - 0.1, *simulate("fig5", t0=-0.1, t_end=40)(t - 0.1), partial=True
     ).ok
-    assert compare.crosscheck(load_scene("fig5").parameters, t[:400], *other[:, :400]).ok
+    assert compare.crosscheck(load_scene("fig5").parameters, t[:400], *elsewhere[:, :400]).ok
 
 
 def test_a_start_is_the_scenes_within_its_rounding_and_the_tolerance() -> None:
@@ -157,7 +157,9 @@ def test_a_solution_goes_on_to_the_end_of_the_scene() -> None:
 @pytest.mark.slow
 @sample_of(8, 60)
 def test_right_samples_of_random_systems_pass(count: int) -> None:
-    """However coarse, with samples on events or without, at large times, and with noise of 1e-10."""
+    """However coarse, with samples on events or without, at large times, and with noise of
+    1e-10.
+    """
     rng = np.random.default_rng(5)
     events = 0
     for _ in range(count):
@@ -179,7 +181,7 @@ def test_right_samples_of_random_systems_pass(count: int) -> None:
     assert events > 8 * count
 
 
-# -- compare parts -----------------------------------------------------------------------------------------------------
+# -- compare parts ---------------------------------------------------------------------------------
 
 
 def test_arguments_are_read() -> None:
@@ -199,7 +201,7 @@ def test_arguments_are_read() -> None:
     assert len(crosscheck("fig5", {"t": t, "x": x, "v": v}, events=listed).matched) == len(listed)
 
 
-# -- many --------------------------------------------------------------------------------------------------------------
+# -- many ------------------------------------------------------------------------------------------
 
 
 WRONG = {**COLUMNS, "v": V + 0.1 * (T > 2)}
@@ -230,12 +232,14 @@ def test_processes_find_the_same() -> None:
             crosscheck("fig9", sparse, workers=workers)
 
 
-# -- units -------------------------------------------------------------------------------------------------------------
+# -- units -----------------------------------------------------------------------------------------
 
 
 @cache
 def samples(name: str) -> tuple[Parameters, np.ndarray, CrossCheck]:
-    """Return a scene's parameters, samples of its motion with several faults, and what a cross-check says of them."""
+    """Return a scene's parameters, samples of its motion with several faults, and what a
+    cross-check says of them.
+    """
     scene = load_scene(name)
     t = np.linspace(float(scene.t0), float(scene.t0) + 8, 97)
     x, v = simulate(scene, t_end=9)(t)
@@ -281,7 +285,7 @@ def test_a_cross_check_is_the_same(units: Units, name: str) -> None:
     assert len(one.faults) > 2
 
 
-# -- velocities --------------------------------------------------------------------------------------------------------
+# -- velocities ------------------------------------------------------------------------------------
 
 
 def test_velocities_are_those_of_the_motion() -> None:
@@ -302,11 +306,11 @@ def test_velocities_are_those_of_the_motion() -> None:
             continue
         t = np.sort(rng.uniform(0, float(motion.t_end), 300))
         x, v = motion(t)
-        found = with_velocities(checked(t, x), p, 1e-8)
-        assert found.v_off is not None
-        error = np.abs(found.v - v[len(v) - len(found.v) :])
-        left_out += len(v) - len(found.v)
-        far += int(np.sum(error > found.v_off + 1e-7))
+        computed = with_velocities(checked(t, x), p, 1e-8)
+        assert computed.v_off is not None
+        error = np.abs(computed.v - v[len(v) - len(computed.v) :])
+        left_out += len(v) - len(computed.v)
+        far += int(np.sum(error > computed.v_off + 1e-7))
         events += len(motion.events)
         assert np.median(error) < 1e-11
     assert events > 20
@@ -328,14 +332,14 @@ def test_right_positions_pass_and_wrong_ones_do_not(name: str, count: int) -> No
     events = [event.kind for event in simulate(scene, t_end=float(t[-1])).events]
     assert [match.event.kind for match in check.matched] == events
     assert not crosscheck(scene, t, x + 1e-3 * (t > 5)).ok
-    other = simulate(
+    motion_ = simulate(
         scene.parameters.replace(mu1=scene.parameters.mu1 * 2),
         t0=scene.t0,
         x0=scene.x0,
         v0=scene.v0,
         t_end=9,
     )
-    assert not crosscheck(scene, t, other(t)[0]).ok
+    assert not crosscheck(scene, t, motion_(t)[0]).ok
 
 
 def test_positions_that_are_too_far_apart_are_refused() -> None:
@@ -345,4 +349,4 @@ def test_positions_that_are_too_far_apart_are_refused() -> None:
     assert not crosscheck("fig9", np.linspace(0.1324, 5, 9), np.linspace(1, 9, 9)).ok
 
 
-# -- faults ------------------------------------------------------------------------------------------------------------
+# -- faults ----------------------------------------------------------------------------------------

@@ -22,7 +22,7 @@ from symosc.model import PARAMETER_NAMES
 
 pytestmark = pytest.mark.compiled("doubles")  # a diagnosis follows thousands of steps
 
-# -- diagnosis ---------------------------------------------------------------------------------------------------------
+# -- diagnosis -------------------------------------------------------------------------------------
 
 
 # Steps that are followed, and integrated, at most: measured by the test of the work.
@@ -54,7 +54,7 @@ def test_each_kind_of_fault_has_its_name(kind: str) -> None:
     assert named, (spoilt.causes, check.diagnosis)
     assert check.diagnosis[0].words
     assert check.diagnosis[0].evidence
-    assert all(one.cause in CAUSES for one in check.diagnosis)
+    assert all(diagnosis.cause in CAUSES for diagnosis in check.diagnosis)
     assert false_sentences(check) == []
     if kind == "double root":  # the micro stick of fig8
         assert "events are missed" in check.diagnosis[0].words
@@ -89,7 +89,7 @@ def judge_counts(counts: Counter[tuple[str, str]]) -> None:
         assert counts[kinds, "false"] == 0
 
 
-# -- causes on thin evidence -------------------------------------------------------------------------------------------
+# -- causes on thin evidence -----------------------------------------------------------------------
 
 
 def test_a_cause_explains_the_first_wrong_step_and_the_largest_one() -> None:
@@ -119,11 +119,11 @@ def test_a_clock_that_jumps_is_no_friction() -> None:
     x, v = simulate("fig5", t_end=20)(t)
     jump = 0.3 * (t[1] - t[0])
     check = crosscheck("fig5", t + jump * (np.arange(800) >= 400), x, v)
-    (found,) = check.diagnosis
-    assert found.cause == "time shift"
-    assert found.value == pytest.approx(jump, rel=1e-5)
-    assert f"after t = {t[399]:.10g}" in found.words
-    assert "all 799 steps are right" in found.evidence
+    (diagnosis,) = check.diagnosis
+    assert diagnosis.cause == "time shift"
+    assert diagnosis.value == pytest.approx(jump, rel=1e-5)
+    assert f"after t = {t[399]:.10g}" in diagnosis.words
+    assert "all 799 steps are right" in diagnosis.evidence
 
 
 @pytest.mark.slow
@@ -131,16 +131,18 @@ def test_a_clock_that_jumps_is_no_friction() -> None:
 def test_a_belt_ignored_in_flight_is_a_missed_event(number: int) -> None:
     possible = (judge("belt ignored", case, "dense", SEED) for case in cases())
     judged = next(islice(filter(None, possible), number, None))
-    (found,) = judged[2].diagnosis
+    (diagnosis,) = judged[2].diagnosis
     # A belt whose speed the motion does not reach is the same.
-    assert found.cause == "late events" or "all 400 steps are right" in found.evidence
-    assert "stick" not in found.words
+    assert diagnosis.cause == "late events" or "all 400 steps are right" in diagnosis.evidence
+    assert "stick" not in diagnosis.words
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [201, 60])
 def test_a_stick_that_is_held_too_long_does_not_drift(count: int) -> None:
-    """One stick of fig5 is 5 % too long, with v on the belt; from its end on the motion is exact."""
+    """One stick of fig5 is 5 % too long, with v on the belt; from its end on the motion is
+    exact.
+    """
     motion = simulate("fig5", t_end=9)
     stick = next(part for part in motion.segments if part.mode == "belt1")
     begin = float(stick.t_start)
@@ -156,8 +158,8 @@ def test_a_stick_that_is_held_too_long_does_not_drift(count: int) -> None:
     held = (t > slip) & (t < end)
     x[held] = place + speed * (t[held] - slip)
     check = crosscheck("fig5", t, x, v)
-    (found,) = check.diagnosis
-    assert (found.cause, found.subject) == ("late events", "stick")
+    (diagnosis,) = check.diagnosis
+    assert (diagnosis.cause, diagnosis.subject) == ("late events", "stick")
     assert "drift" not in check.summary()
 
 
@@ -165,13 +167,15 @@ def test_smoothed_friction_and_a_sample_that_is_off_are_not_smoothed_friction_al
     name, t, x, v = softened("tanh", 0.05, "fig9", 8, 200)
     assert crosscheck(name, t, x, v).diagnosis[0].cause == "smoothed friction"
     v[150] += 1.0
-    (found,) = crosscheck(name, t, x, v).diagnosis
-    assert found.cause == "unknown"
+    (diagnosis,) = crosscheck(name, t, x, v).diagnosis
+    assert diagnosis.cause == "unknown"
 
 
 @pytest.mark.parametrize("name", ["fig5", "fig9"])
 def test_weights_beyond_one_are_no_large_steps(name: str) -> None:
-    """On coarse, even samples any linear method errs by one linear map; smaller steps do not help this one."""
+    """On coarse, even samples any linear method errs by one linear map; smaller steps do not help
+    this one.
+    """
     (case,) = (case for case in cases() if case.scene.name == name)
     for kind, cause in (("weights beyond one", "unknown"), ("fixed step", "steps too large")):
         judged = judge(kind, case, "coarse", 91)
@@ -209,7 +213,9 @@ def test_a_cause_explains_the_largest_defect_wherever_it_is() -> None:
 def test_a_diagnosis_has_a_bounded_amount_of_work(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Where nothing explains the samples, so everything is tried: counted in steps, not in seconds."""
+    """Where nothing explains the samples, so everything is tried: counted in steps, not in
+    seconds.
+    """
     import scipy.integrate
 
     followed = 0
@@ -251,9 +257,9 @@ def test_no_stick_is_named_where_there_is_none(kind: str) -> None:
     judged = judge(kind, case, "dense", SEED)
     assert judged is not None
     said = " ".join(
-        f"{one.cause} {one.words}"
+        f"{diagnosis.cause} {diagnosis.words}"
         for first in judged[2].diagnosis
-        for one in (first, *first.alternatives)
+        for diagnosis in (first, *first.alternatives)
     )
     assert "stick" not in said
     assert "chatter" not in said
@@ -267,7 +273,7 @@ def test_a_fitted_number_explains_the_defects_or_is_not_named() -> None:
     t = np.linspace(float(scene.t0), 8, 401)
     for x, v in ((np.full(401, 1.0), np.zeros(401)), leapfrogged(p, t), leapfrogged(p, t, 7)):
         first = crosscheck(p, t, x, v).diagnosis[0]
-        assert "coefficient" not in {one.cause for one in (first, *first.alternatives)}
+        assert "coefficient" not in {diagnosis.cause for diagnosis in (first, *first.alternatives)}
 
 
 def leapfrogged(p: Any, t: np.ndarray, n: int = 1) -> tuple[np.ndarray, ...]:
@@ -282,7 +288,8 @@ def test_a_right_solution_has_no_diagnosis() -> None:
     x, v = simulate("fig5", t_end=7)(t)
     assert crosscheck("fig5", t, x, v).diagnosis == ()
     assert [
-        one.cause for one in crosscheck("fig5", t, np.round(x, 6), np.round(v, 6)).diagnosis
+        diagnosis.cause
+        for diagnosis in crosscheck("fig5", t, np.round(x, 6), np.round(v, 6)).diagnosis
     ] == ["precision"]
 
 
@@ -292,13 +299,13 @@ def test_right_steps_from_another_start() -> None:
     x, v = simulate(scene, x0=scene.x0, v0=scene.v0, t_end=4)(t)
     check = crosscheck(scene, t, x + np.linspace(0.0, 3e-9, len(t)), v, global_tolerance=1e-10)
     assert not check.wrong_steps.size
-    assert [one.cause for one in check.diagnosis] == ["start"]
+    assert [diagnosis.cause for diagnosis in check.diagnosis] == ["start"]
 
 
-# -- data clues --------------------------------------------------------------------------------------------------------
+# -- data clues ------------------------------------------------------------------------------------
 
 
-# -- other models ------------------------------------------------------------------------------------------------------
+# -- other models ----------------------------------------------------------------------------------
 
 
 OTHER_MODELS_T = np.linspace(0.5, 12, 240)
@@ -325,16 +332,18 @@ def test_a_wrong_coefficient_is_estimated(name: str) -> None:
         scene = "fig10"
     right = float(getattr(load_scene(scene).parameters, name))
     value = round(right * (1.0 + float(rng.choice([-1, 1])) * rng.uniform(0.01, 0.1)), 6)
-    found = [one for one in diagnosed(scene, **{name: value}) if one.subject == name]
-    assert [one.cause for one in found] == ["coefficient"]
-    assert found[0].share > 0.9
-    assert found[0].value is not None
-    assert found[0].error is not None
-    assert found[0].value == pytest.approx(value, abs=max(6.0 * found[0].error, 1e-7 * abs(value)))
-    assert found[0].error < 1e-3 * abs(value)
+    named = [
+        diagnosis for diagnosis in diagnosed(scene, **{name: value}) if diagnosis.subject == name
+    ]
+    assert [diagnosis.cause for diagnosis in named] == ["coefficient"]
+    assert named[0].share > 0.9
+    assert named[0].value is not None
+    assert named[0].error is not None
+    assert named[0].value == pytest.approx(value, abs=max(6.0 * named[0].error, 1e-7 * abs(value)))
+    assert named[0].error < 1e-3 * abs(value)
 
 
-# -- numbers of the faults ---------------------------------------------------------------------------------------------
+# -- numbers of the faults -------------------------------------------------------------------------
 
 
 MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {

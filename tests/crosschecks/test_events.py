@@ -14,7 +14,7 @@ from symosc.crosschecks.events import find_events, labels
 from symosc.crosschecks.steps import follow_steps
 from symosc.friction import MODE_NAMES
 
-# -- events ------------------------------------------------------------------------------------------------------------
+# -- events ----------------------------------------------------------------------------------------
 
 WHAT = ("kind", "boundary", "source", "target")
 
@@ -30,11 +30,11 @@ def test_events_and_modes_are_those_of_the_motion(name: str) -> None:
     ]
     assert MODE_NAMES.get(int(check.modes[0]), exact.mode(float(t[0]))) == exact.mode(float(t[0]))
     for match, event in zip(check.matched, exact.events, strict=True):
-        found = match.found
-        assert found is not None
-        assert [getattr(found, each) for each in WHAT] == [getattr(event, each) for each in WHAT]
-        assert t[found.step] <= float(event.t) <= t[found.last_step + 1]
-        assert (found.t, found.spread) == (pytest.approx(float(event.t), abs=1e-9), 0)
+        shown = match.found
+        assert shown is not None
+        assert [getattr(shown, each) for each in WHAT] == [getattr(event, each) for each in WHAT]
+        assert t[shown.step] <= float(event.t) <= t[shown.last_step + 1]
+        assert (shown.t, shown.spread) == (pytest.approx(float(event.t), abs=1e-9), 0)
 
 
 def test_steps_that_are_wrong_show_crossings_between_their_samples() -> None:
@@ -60,13 +60,9 @@ def test_steps_that_are_wrong_show_crossings_between_their_samples() -> None:
     ]
     assert [e.step for e in events] == [1, 1, 2, 2]
     speeds = {1: float(p.v1), 2: float(p.v2)}
-    for event in (
-        events
-    ):  # what the exact motion over the step does not do is read off: v is a straight line
-        if event.step == 1:
-            v0, v1 = (below, above)
-        else:
-            v0, v1 = (above, below)
+    # What the exact motion over the step does not do is read off: v is a straight line.
+    for event in events:
+        v0, v1 = (below, above) if event.step == 1 else (above, below)
         line = t[event.step] + 0.01 * (speeds[event.boundary] - v0) / (v1 - v0)
         assert t[event.step] <= event.t <= t[event.step + 1]
         assert event.spread == 0 or (
@@ -76,7 +72,7 @@ def test_steps_that_are_wrong_show_crossings_between_their_samples() -> None:
     assert modes.tolist() == [1, 1, 3, 1]
 
 
-# -- matching ----------------------------------------------------------------------------------------------------------
+# -- matching --------------------------------------------------------------------------------------
 
 
 Pairs = list[tuple[float, str]]
@@ -88,7 +84,9 @@ def listed(trajectory: Trajectory, until: float = np.inf) -> Pairs:
 
 
 def random_motion(rng: np.random.Generator) -> tuple[Parameters, Any, Trajectory]:
-    """Return parameters, samples at random times (half of the events among them) and the exact motion."""
+    """Return parameters, samples at random times (half of the events among them) and the exact
+    motion.
+    """
     p = random_parameters(rng)
     t0 = float(rng.choice([0.0, 3.5, 1e6]))
     v0 = float(rng.choice([float(p.v1), float(p.v2), round(rng.uniform(-6, 8), 2)]))
@@ -104,7 +102,9 @@ def random_motion(rng: np.random.Generator) -> tuple[Parameters, Any, Trajectory
 def spoiled(
     how: str, events: Pairs, i: int, rng: np.random.Generator, times: np.ndarray
 ) -> Pairs | None:
-    """Return a list with one mistake, at event `i` where there is a place, or None if there is no room for it."""
+    """Return a list with one mistake, at event `i` where there is a place, or None if there is no
+    room for it.
+    """
     (t, kind) = events[i]
     events = list(events)
     shift = float(rng.choice([-1, 1])) * 10.0 ** rng.uniform(-4, -1.3)
@@ -125,7 +125,7 @@ def spoiled(
             return None
         events.append((float(new[np.argmax(far)]), str(rng.choice(KINDS))))
     elif how == "wrong kind":
-        events[i] = (t, str(rng.choice([other for other in KINDS if other != kind])))
+        events[i] = (t, str(rng.choice([second for second in KINDS if second != kind])))
     elif i + 1 == len(events) or events[i + 1][0] - t < 1e-3 or events[i + 1][1] == kind:
         return None
     elif how == "wrong order":

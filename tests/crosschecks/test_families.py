@@ -1,4 +1,6 @@
-"""Random families: right solutions are never blamed, however they are sampled; wrong ones are never right."""
+"""Random families: right solutions are never blamed, however they are sampled; wrong ones are never
+right.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +56,7 @@ def judged(problem: Problem, given: Given) -> CrossCheck:
     return crosscheck(scene, *given.arguments, partial=given.ends_early, **given.options)
 
 
-# -- ways to give a right solution -------------------------------------------------------------------------------------
+# -- ways to give a right solution -----------------------------------------------------------------
 
 
 def contact_times(solution: Solution, belt: int, until: float) -> np.ndarray:
@@ -67,7 +69,9 @@ def contact_times(solution: Solution, belt: int, until: float) -> np.ndarray:
 def result(
     problem: Problem, solution: Solution, states: np.ndarray, until: float = np.inf, **more: Any
 ) -> Any:
-    """Return an OdeResult with the events of v = v1 and v = v2 and those in `more`, which are no contacts."""
+    """Return an OdeResult with the events of v = v1 and v = v2 and those in `more`, which are no
+    contacts.
+    """
     speeds = float(problem.p.v1), float(problem.p.v2)
     lists = [contact_times(solution, belt, until) for belt in (1, 2)]
     at_belts = [
@@ -82,7 +86,9 @@ def result(
 
 
 def zeros_of_x(solution: Solution) -> np.ndarray:
-    """Return when x passes 0, by lines between steps: an event function of a user that is no contact."""
+    """Return when x passes 0, by lines between steps: an event function of a user that is no
+    contact.
+    """
     t, x, _ = solution.own_steps
     passes = np.flatnonzero(x[:-1] * x[1:] < 0.0)
     return np.array(
@@ -150,7 +156,9 @@ def positions(problem: Problem, solution: Solution, rng: Rng) -> Given:
 
 
 def positions_at_switches(problem: Problem, solution: Solution, rng: Rng) -> Given:
-    """Return positions with samples 1e-9 to 1e-7 apart at the events, as a solver's step control makes them."""
+    """Return positions with samples 1e-9 to 1e-7 apart at the events, as a solver's step control
+    makes them.
+    """
     t = [even_times(problem, rng, 200)]
     for time, _, _ in solution.events:
         t.append(time + np.cumsum(10.0 ** rng.uniform(-9, -7, 8)) * rng.choice([-1, 1]))
@@ -182,7 +190,9 @@ WAYS: list[Callable[[Problem, Solution, Rng], Given]] = [
 
 
 def exact_solution(problem: Problem, tight: Solution) -> Solution:
-    """Return symosc's own motion as a solution with the steps of a tight one, after a comparison with it."""
+    """Return symosc's own motion as a solution with the steps of a tight one, after a comparison
+    with it.
+    """
     t, x, v = problem.start
     motion = simulate(problem.p, t0=t, x0=x, v0=v, t_end=problem.t_end)
     events = [
@@ -236,7 +246,7 @@ def verdict_text(check: CrossCheck) -> str:
     return f"{counts}, off by {check.max_error_x:.2g}, {check.max_error_v:.2g}; {check.notes} {check.wrong_start}"
 
 
-# -- wrong solutions ---------------------------------------------------------------------------------------------------
+# -- wrong solutions -------------------------------------------------------------------------------
 
 
 def frozen(states: np.ndarray, rng: Rng) -> np.ndarray:
@@ -316,7 +326,9 @@ class Wrong:
 
 
 def wrong_solutions(seed: int) -> Iterator[Wrong]:
-    """Yield wrong solutions of random problems, a kind after the other, in some ways to give them."""
+    """Yield wrong solutions of random problems, a kind after the other, in some ways to give
+    them.
+    """
     rng = np.random.default_rng(seed)
     number = numbers()
     for problem, right in problems(seed):
@@ -392,8 +404,11 @@ def _given(way: str, states: np.ndarray) -> Given:
 @pytest.mark.slow
 @sample_of(48, 2_000)
 def test_wrong_solutions_are_never_right(count: int) -> None:
-    """A solution is wrong if it is further from the right one than the documented limit for the whole solution."""
-    passed, counted = [], Counter[str]()
+    """A solution is wrong if it is further from the right one than the documented limit for the
+    whole solution.
+    """
+    passed = []
+    counted = Counter[str]()
     for wrong in islice((wrong for wrong in wrong_solutions(11) if wrong.deviation > 1.0), count):
         counted[wrong.name.partition(",")[0]] += 1
         check = judged(wrong.problem, wrong.given)

@@ -34,7 +34,7 @@ from symosc.crosschecks.reading.files import PACKED, SUFFIXES
 from symosc.crosschecks.reading.formats import has_wrong_tags
 from symosc.crosschecks.reading.text import read_text
 
-# -- formats -----------------------------------------------------------------------------------------------------------
+# -- formats ---------------------------------------------------------------------------------------
 
 
 BINARY = ("npz", "mat", "parquet", "feather", "h5", "nc")
@@ -151,7 +151,16 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
         read_samples(tmp_path / "none.parquet")
 
 
-# -- files -------------------------------------------------------------------------------------------------------------
+def test_what_is_in_a_struct_is_named_after_it(tmp_path: Path) -> None:
+    variables = {"out": {"run": COLUMNS, "limits": {"x": 5.0}}, "step": 0.1}
+    savemat(tmp_path / "run.mat", variables)
+    with pytest.raises(ParameterError, match=r"there are: out\.run\.t, .*out\.limits\.x, step"):
+        read_samples(tmp_path / "run.mat")
+    asked = {name: f"out.run.{name}" for name in "txv"}
+    np.testing.assert_array_equal(read_samples(tmp_path / "run.mat", asked).v, V)
+
+
+# -- files -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("piece", [b"\n", b"\0"])
@@ -188,7 +197,9 @@ def test_no_more_is_unpacked_than_a_limit(
 
 
 def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> None:
-    """Spaces behind commas, quotes, a byte order mark, empty lines, a comment sign, more columns in any order."""
+    """Spaces behind commas, quotes, a byte order mark, empty lines, a comment sign, more columns in
+    any order.
+    """
     rng = random.Random(1)
     for number in range(60):
         rows = rng.randint(2, 9)
@@ -221,7 +232,7 @@ def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> 
         assert samples.events is None
 
 
-# -- text tables -------------------------------------------------------------------------------------------------------
+# -- text tables -----------------------------------------------------------------------------------
 
 
 def read(content: str, **asked: str | None) -> dict[str, np.ndarray]:
@@ -229,7 +240,9 @@ def read(content: str, **asked: str | None) -> dict[str, np.ndarray]:
 
 
 def test_numbers_are_read_however_they_are_written() -> None:
-    """Any delimiter, decimal sign, order and name of columns, header or none, comments, a few lines at a time."""
+    """Any delimiter, decimal sign, order and name of columns, header or none, comments, a few lines
+    at a time.
+    """
     rng = random.Random(3)
     for _ in range(150):
         count = rng.randint(2, 9)
@@ -260,11 +273,11 @@ def test_numbers_are_read_however_they_are_written() -> None:
             lines.insert(
                 rng.randint(0, len(lines)), rng.choice(["", "# why", "% 1 2", "// t x", " "])
             )
-        found = read(rng.choice(["\n", "\r\n", "\r"]).join(lines) + rng.choice(["", "\n"]))
-        assert {name: column.tolist() for name, column in found.items()} == columns, lines
+        columns_read = read(rng.choice(["\n", "\r\n", "\r"]).join(lines) + rng.choice(["", "\n"]))
+        assert {name: column.tolist() for name, column in columns_read.items()} == columns, lines
 
 
-# -- octave ------------------------------------------------------------------------------------------------------------
+# -- octave ----------------------------------------------------------------------------------------
 
 
 SAVED = Path(__file__).parent / "octave"
@@ -328,7 +341,7 @@ def test_a_damaged_text_of_octave_is_one_line(tmp_path: Path) -> None:
     assert not any("\n" in text for text in said)
 
 
-# -- matlab tags -------------------------------------------------------------------------------------------------------
+# -- matlab tags -----------------------------------------------------------------------------------
 
 
 def written(variables: dict[str, Any], packed: bool = False) -> bytes:
@@ -341,7 +354,9 @@ def written(variables: dict[str, Any], packed: bool = False) -> bytes:
     ("at", "value"), [(176, 0xFF), (176, 0), (145, 0x08), (133, 0xFF), (180, 0xFF), (128, 99)]
 )
 def test_a_damaged_one_is_refused(at: int, value: int, tmp_path: Path) -> None:
-    """The kind of the numbers, a second (imaginary) part that is not there, sizes beyond the end."""
+    """The kind of the numbers, a second (imaginary) part that is not there, sizes beyond the
+    end.
+    """
     data = bytearray(written(COLUMNS))
     assert struct.unpack_from("<I", data, 176) == (9,)  # numbers in double precision
     data[at] = value
@@ -351,7 +366,7 @@ def test_a_damaged_one_is_refused(at: int, value: int, tmp_path: Path) -> None:
         read_samples(tmp_path / "run.mat")
 
 
-# -- page --------------------------------------------------------------------------------------------------------------
+# -- page ------------------------------------------------------------------------------------------
 
 
 PAGE = (Path(__file__).parents[2] / "docs" / "checking.md").read_text(encoding="utf-8")

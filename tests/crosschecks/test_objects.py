@@ -25,7 +25,7 @@ from symosc.crosschecks.reading.solutions import solutions_in
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.solver_runs import run_solver
 
-# -- objects -----------------------------------------------------------------------------------------------------------
+# -- objects ---------------------------------------------------------------------------------------
 
 
 PROBLEM = load_scene("fig9")
@@ -97,10 +97,10 @@ def test_positions_alone_are_a_solution_without_velocities() -> None:
         np.testing.assert_array_equal(samples.x, X)
 
 
-def names_of(found: list[Samples]) -> list[str]:
-    for samples in found:
+def names_of(solutions: list[Samples]) -> list[str]:
+    for samples in solutions:
         np.testing.assert_array_equal([samples.t, samples.x, samples.v], [T, X, V])
-    return [samples.name for samples in found]
+    return [samples.name for samples in solutions]
 
 
 def test_several_solutions_in_one_object() -> None:
@@ -187,7 +187,7 @@ def test_what_is_no_solution_is_one_line(source: Any) -> None:
     assert len(str(caught.value)) < 300
 
 
-# -- functions ---------------------------------------------------------------------------------------------------------
+# -- functions -------------------------------------------------------------------------------------
 
 
 FIG9 = load_scene("fig9")
@@ -228,7 +228,7 @@ def test_what_is_no_solution_of_a_function() -> None:
         crosscheck("fig9", lambda t: (np.nan, 1))
 
 
-# -- solver runs -------------------------------------------------------------------------------------------------------
+# -- solver runs -----------------------------------------------------------------------------------
 
 
 SOURCE = """
@@ -260,8 +260,8 @@ def test_a_function_gets_the_problem(
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", list(sys.path))
     for module in ("solver_of_a_test", str(tmp_path / "solver_of_a_test.py")):
-        found = run_solver(f"{module}:solve", scene)
-        assert found == {
+        solution = run_solver(f"{module}:solve", scene)
+        assert solution == {
             "t": [start[0], start[3]],
             "x": [start[1]] * 2,
             "v": [start[2], float(scene.parameters.k)],
@@ -292,7 +292,7 @@ def test_a_function_gets_the_problem(
         assert "solver_runs.py" not in str(caught.value)
 
 
-# -- columns -----------------------------------------------------------------------------------------------------------
+# -- columns ---------------------------------------------------------------------------------------
 
 
 def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
@@ -331,7 +331,7 @@ def test_events_of_a_solver_are_at_a_belt_relative_to_the_largest_velocity(
     assert samples.events == (((1.0, ""),) if there else None)
 
 
-# -- samples -----------------------------------------------------------------------------------------------------------
+# -- samples ---------------------------------------------------------------------------------------
 
 
 SAMPLES_T = np.linspace(0.1324, 3, 30)

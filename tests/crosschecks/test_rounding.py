@@ -17,7 +17,7 @@ from symosc import crosscheck as strict
 from symosc import load_scene, simulate
 from symosc.crosschecks.rounding import find_digits
 
-# -- rounding ----------------------------------------------------------------------------------------------------------
+# -- rounding --------------------------------------------------------------------------------------
 
 
 Round = Callable[[Any], np.ndarray]
@@ -39,7 +39,10 @@ def significant(count: int) -> tuple[Round, str]:
 def test_digits_are_counted(kind: Any, count: int) -> None:
     rng = np.random.default_rng(count)
     cut, words = kind(count)
-    for size in (1.0, *((1e-4, 1e6) if kind is significant else (0.5, 1e6 if count < 6 else 2.0))):
+    sizes = [1.0, 1e-4, 1e6]
+    if kind is decimals:
+        sizes = [1.0, 0.5, 1e6 if count < 6 else 2.0]
+    for size in sizes:
         values = rng.uniform(-9, 9, 300) * size * 10.0 ** rng.uniform(-1, 1, 300)
         digits = find_digits(cut(values))
         assert digits is not None
@@ -49,7 +52,7 @@ def test_digits_are_counted(kind: Any, count: int) -> None:
         assert np.max(np.abs(cut(values) - values) / digits.units) > 0.3
 
 
-# -- rounded solutions -------------------------------------------------------------------------------------------------
+# -- rounded solutions -----------------------------------------------------------------------------
 
 
 RUNS = [
@@ -61,7 +64,9 @@ RUNS = [
 
 @pytest.mark.parametrize(("count", "samples"), RUNS)
 def test_wrong_solutions_are_found(count: int, samples: int) -> None:
-    """More than 20 last places off somewhere, with 0 to 5 decimals, against the scene or its parameters."""
+    """More than 20 last places off somewhere, with 0 to 5 decimals, against the scene or its
+    parameters.
+    """
     missed = []
     for number, wrong in enumerate(wrong_solutions(count, count, samples)):
         if number % 4:
@@ -101,19 +106,20 @@ def test_right_solutions_are_not_blamed(count: int, samples: int) -> None:
     rng = np.random.default_rng(count)
     blamed = []
     for number in range(count):
-        given = right(rng, samples)
+        rounded_samples = right(rng, samples)
         if number % 3:
-            scene = given.scene
+            scene = rounded_samples.scene
         else:
-            scene = given.scene.parameters
-        if number % 4 or given.kind != "right":
-            v = given.v
+            scene = rounded_samples.scene.parameters
+        if number % 4 or rounded_samples.kind != "right":
+            v = rounded_samples.v
         else:
             v = None
-        check = strict(scene, given.t, given.x, v)
+        check = strict(scene, rounded_samples.t, rounded_samples.x, v)
         if not check.ok:
             blamed.append(
-                f"{given.scene.name}, {given.kind}, {given.decimals} decimals: {check.summary()}"
+                f"{rounded_samples.scene.name}, {rounded_samples.kind}, "
+                f"{rounded_samples.decimals} decimals: {check.summary()}"
             )
     assert blamed == []
 
@@ -149,7 +155,7 @@ def test_the_global_tolerance_is_obeyed_beside_the_rounding() -> None:
     assert strict("fig5", t, *exact, global_tolerance=1e-12).ok
 
 
-# -- false alarms ------------------------------------------------------------------------------------------------------
+# -- false alarms ----------------------------------------------------------------------------------
 
 
 #: Significant digits, decimals, steps of a converter in bits; None: all digits.

@@ -15,7 +15,7 @@ from symosc.crosschecks.steps import follow_steps, propagated, sample_errors
 from symosc.engine.events import KIND_NAMES
 from symosc.friction import MODE_NAMES
 
-# -- steps one by one --------------------------------------------------------------------------------------------------
+# -- steps one by one ------------------------------------------------------------------------------
 
 
 def test_steps_are_those_of_single_motions() -> None:
@@ -100,10 +100,10 @@ def test_a_flight_is_that_of_its_domain_alone() -> None:
     steps = follow_steps(p, t, rng.uniform(-1, 1, 3), rng.uniform(-1, 1, 3), 0.0, np.ones(2))
     for domain in (1, 2, 3):
         for i, j in ((0, 1), (0, 2), (1, 2)):
-            found = steps.flight(domain, np.array([i]), np.array([j]))[0]
+            ends = steps.flight(domain, np.array([i]), np.array([j]))[0]
             start = Fraction(float(t[i])), Fraction(float(steps.x[i])), Fraction(float(steps.v[i]))
             right = flow_oracle(p, domain, *start, Fraction(float(t[j])) - start[0], dps=25)[:2]
-            assert found == pytest.approx([float(value) for value in right], abs=1e-12)
+            assert ends == pytest.approx([float(value) for value in right], abs=1e-12)
 
 
 def test_a_time_is_in_the_step_that_begins_with_it_and_outside_in_the_nearest() -> None:
@@ -115,8 +115,8 @@ def test_a_time_is_in_the_step_that_begins_with_it_and_outside_in_the_nearest() 
         0.0,
         np.ones(2),
     )
-    found = {time: steps.at(time) for time in (-9.0, 0.25, 0.5, 0.75, 1.5, 9.0)}
-    assert found == {
+    places = {time: steps.at(time) for time in (-9.0, 0.25, 0.5, 0.75, 1.5, 9.0)}
+    assert places == {
         -9.0: (0, 0),
         0.25: (0, 0),
         0.5: (1, 1),
@@ -131,7 +131,7 @@ def test_a_time_is_in_the_step_that_begins_with_it_and_outside_in_the_nearest() 
     )
 
 
-# -- allowed -----------------------------------------------------------------------------------------------------------
+# -- allowed ---------------------------------------------------------------------------------------
 
 
 def test_rounded_samples_may_be_off_by_their_rounding_and_that_of_their_times() -> None:
@@ -164,11 +164,11 @@ def test_exact_motions_stay_as_near_as_is_said() -> None:
             p = p.replace(k=0)
         start = rng.uniform(-4, 4, 2)
         off = rng.uniform(0, 10.0 ** rng.uniform(-3, 0), 2)
-        one = simulate(p, t0=0, x0=start[0], v0=start[1], t_end=12)
-        other = simulate(p, t0=0, x0=start[0] + off[0], v0=start[1] - off[1], t_end=12)
-        t = np.linspace(0, min(one.t_end, other.t_end), 400)
+        motion = simulate(p, t0=0, x0=start[0], v0=start[1], t_end=12)
+        shifted = simulate(p, t0=0, x0=start[0] + off[0], v0=start[1] - off[1], t_end=12)
+        t = np.linspace(0, min(motion.t_end, shifted.t_end), 400)
         most = propagated(p, off, t)
-        apart = np.abs(one(t) - other(t)).T
+        apart = np.abs(motion(t) - shifted(t)).T
         assert (apart <= most * (1 + 1e-9) + 1e-12).all()
         nearest = max(nearest, float(np.max(apart[50:] / most[50:])))
     assert nearest > 0.95

@@ -1,4 +1,6 @@
-"""Verdicts that were wrong: belts that are never met, positions alone, ends at events, lists, matrices, chatter."""
+"""Verdicts that were wrong: belts that are never met, positions alone, ends at events, lists,
+matrices, chatter.
+"""
 
 from __future__ import annotations
 
@@ -15,10 +17,10 @@ from scipy.io import savemat
 from scipy.optimize import brentq
 
 from symosc import CrossCheck, Parameters, Scene, load_scene, simulate
-from symosc.crosschecks import compare, events, velocities
+from symosc.crosschecks import velocities, verdict
 from symosc.crosschecks.steps import StepEvents
 
-# -- a belt that is never met ------------------------------------------------------------------------------------------
+# -- a belt that is never met ----------------------------------------------------------------------
 
 ONE_BELT = Parameters(m=1, c=0, k=1, A0=0, B0=1, Omega=2, v1=0, v2=3, mu1=1, mu2=0, FN="0.1")
 FAR = [3, 100, 10**6, 10**9]
@@ -30,7 +32,7 @@ def of(p: Parameters, t: np.ndarray = TIMES) -> np.ndarray:
     return np.asarray(simulate(p, t0=0, x0=1, v0=0, t_end=20)(t))
 
 
-def verdict(check: CrossCheck) -> tuple[Any, ...]:
+def findings(check: CrossCheck) -> tuple[Any, ...]:
     """Return what may not depend on a belt that is never met."""
     counts = [len(part) for part in (check.matched, check.missed, check.invented, check.unresolved)]
     faults = [(fault.step, fault.reason) for fault in check.faults]
@@ -55,24 +57,26 @@ def test_a_belt_that_is_never_met_hides_no_fault(kind: str) -> None:
     near, *far = (crosscheck(ONE_BELT.replace(v2=v2), TIMES, *states) for v2 in FAR)
     assert not near.ok
     for check in far:
-        assert verdict(check) == verdict(near)
+        assert findings(check) == findings(near)
 
 
 @pytest.mark.parametrize("shape", ["columns", "positions", "decimals"])
 def test_a_belt_that_is_never_met_blames_nothing(shape: str) -> None:
     x, v = of(ONE_BELT)
-    given = {"columns": (x, v), "positions": (x,), "decimals": (np.round(x, 4), np.round(v, 4))}
-    near, *far = (crosscheck(ONE_BELT.replace(v2=v2), TIMES, *given[shape]) for v2 in FAR)
+    columns = {"columns": (x, v), "positions": (x,), "decimals": (np.round(x, 4), np.round(v, 4))}
+    near, *far = (crosscheck(ONE_BELT.replace(v2=v2), TIMES, *columns[shape]) for v2 in FAR)
     assert near.ok, near.summary()
     # The units are those of the motion: its largest |x| and |v|.
     assert near.scales == pytest.approx(np.max(np.abs([x, v]), axis=1), rel=1e-3)
     for check in far:
-        assert verdict(check) == verdict(near)
+        assert findings(check) == findings(near)
 
 
 @pytest.mark.parametrize("v2", FAR)
 def test_events_of_a_users_own_function_are_no_contacts(v2: int) -> None:
-    """An event x = 0, of which one may happen on a belt: in a stick, where v is the belt's speed."""
+    """An event x = 0, of which one may happen on a belt: in a stick, where v is the belt's
+    speed.
+    """
     p = ONE_BELT.replace(v2=v2)
     exact = simulate(p, t0=0, x0=1, v0=0, t_end=20)
     states = of(p)
@@ -85,7 +89,8 @@ def test_events_of_a_users_own_function_are_no_contacts(v2: int) -> None:
     assert crosscheck(p, result).ok
     stick = next(part for part in exact.segments if part.mode == "belt1")
     inside = [float(stick.t_start + stick.t_end) / 2]
-    result.t_events, result.y_events = [inside], [exact(inside).T]
+    result.t_events = [inside]
+    result.y_events = [exact(inside).T]
     assert crosscheck(p, result).ok
 
 
@@ -98,12 +103,14 @@ def test_a_motion_at_rest_has_units() -> None:
     assert crosscheck(p, TIMES, 0 * x, 0 * x).ok
 
 
-# -- positions alone ---------------------------------------------------------------------------------------------------
+# -- positions alone -------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("name", ["fig5", "fig6", "fig7", "fig8", "fig9", "fig10"])
 def test_positions_at_any_spacing(name: str) -> None:
-    """Positions of the exact motion, as close together at its events as the steps of scipy's solve_ivp."""
+    """Positions of the exact motion, as close together at its events as the steps of scipy's
+    solve_ivp.
+    """
     rng = np.random.default_rng(5)
     scene = load_scene(name)
     t_end = min(float(scene.t_end), 12.0)
@@ -123,7 +130,9 @@ def test_positions_at_any_spacing(name: str) -> None:
 
 @pytest.mark.parametrize("before", [1e-8, 1e-7, 1e-6, 1e-5])
 def test_a_position_just_before_the_first_stick(before: float) -> None:
-    """The positions of the step to the next sample are those of a stick, but v is not yet the belt's."""
+    """The positions of the step to the next sample are those of a stick, but v is not yet the
+    belt's.
+    """
     p = Parameters(
         m="1.251", c=0, k="2.08", A0="0.078", B0="5.984", Omega="2.054", v1="-0.091", v2=100,
         mu1="0.415", mu2="0.237", FN="16.635",
@@ -159,13 +168,15 @@ def test_positions_at_the_steps_of_scipy(method: str) -> None:
     assert check.ok, check.summary()
 
 
-# -- ends at, just before and just after an event ----------------------------------------------------------------------
+# -- ends at, just before and just after an event --------------------------------------------------
 
 
 @pytest.mark.parametrize("off", [-1e-10, -1e-13, -4e-16, 0.0, 4e-16, 1e-13, 1e-10])
 @pytest.mark.parametrize("number", [0, 1, 6, pytest.param(None, marks=pytest.mark.slow)])
 def test_a_solution_may_end_at_its_terminal_event(number: int | None, off: float) -> None:
-    """Every event of fig5 ends a solution, which locates it early, late or exactly; in every shape."""
+    """Every event of fig5 ends a solution, which locates it early, late or exactly; in every
+    shape.
+    """
     exact = simulate("fig5")
     assert len(exact.events) == 16
     belts = {boundary: float(exact.parameters.belt(boundary)) for boundary in (1, 2)}
@@ -186,7 +197,8 @@ def test_a_solution_may_end_at_its_terminal_event(number: int | None, off: float
             SimpleNamespace(t=t[part], y=np.array([x[part], v[part]]), success=True)
             for part in (slice(0, middle + 1), slice(middle, None))
         ]
-        pieces[1].t_events, pieces[1].y_events = [[end]], [[[x[-1], v[-1]]]]
+        pieces[1].t_events = [[end]]
+        pieces[1].y_events = [[[x[-1], v[-1]]]]
         shapes: dict[str, tuple[tuple[Any, ...], dict[str, Any]]] = {
             "arrays": ((t, x, v), {}),
             "positions": ((t, x), {}),
@@ -197,16 +209,18 @@ def test_a_solution_may_end_at_its_terminal_event(number: int | None, off: float
             "function": ((t, exact), {}),
             "table": (({"t": t, "x": x, "v": v, "te": times, "xe": states},), {}),
         }
-        for shape, (given, options) in shapes.items():
-            check = crosscheck("fig5", *given, **options)
+        for shape, (solution, options) in shapes.items():
+            check = crosscheck("fig5", *solution, **options)
             assert check.ok, (i, shape, check.summary())
 
 
-# -- events that a list lacks ------------------------------------------------------------------------------------------
+# -- events that a list lacks ----------------------------------------------------------------------
 
 
 def crossings() -> tuple[Parameters, Any]:
-    """Return a scene without friction, and DOP853's result, which steps over the contacts with belt 2."""
+    """Return a scene without friction, and DOP853's result, which steps over the contacts with belt
+    2.
+    """
     p = Parameters(m=1, c=0, k=0, A0=0, B0=1, Omega=1, v1="0.2", v2="0.9999", mu1=0, mu2=0, FN=0)
     functions = [lambda t, y: y[1] - 0.2, lambda t, y: y[1] - 0.9999]
     result = solve_ivp(
@@ -219,14 +233,16 @@ def crossings() -> tuple[Parameters, Any]:
 def test_events_that_a_solver_lacks_are_missed() -> None:
     p, result = crossings()
     listed = [(time, "cross") for time in result.t_events[0]]
-    for given, options in (((result,), {}), ((result.t, *result.y), {"events": listed})):
-        check = crosscheck(p, *given, **options)
+    for solution, options in (((result,), {}), ((result.t, *result.y), {"events": listed})):
+        check = crosscheck(p, *solution, **options)
         assert (check.ok, len(check.matched), len(check.missed)) == (False, 4, 4)
         assert {event.boundary for event in check.missed} == {2}
 
 
 def test_what_the_times_of_a_solver_claim() -> None:
-    """All contacts at a belt, or all from one side; no slips; nothing about a belt that no function looks for."""
+    """All contacts at a belt, or all from one side; no slips; nothing about a belt that no function
+    looks for.
+    """
     exact = simulate("fig5")
     t = np.linspace(0, 40, 2001)
     reached = [event for event in exact.events if event.kind in ("stick", "cross")]
@@ -253,13 +269,14 @@ def test_what_the_times_of_a_solver_claim() -> None:
     assert len(contacts) == 8
     assert missed([]) == missed([], []) == 0  # no list is about a belt
     p, result = crossings()
-    up, down = result.t_events[0][::2], result.t_events[0][1::2]
+    up = result.t_events[0][::2]
+    down = result.t_events[0][1::2]
     for times in (up, down):
         one_way = SimpleNamespace(t=result.t, y=result.y, t_events=[times], success=True)
         assert crosscheck(p, one_way).ok
 
 
-# -- matrices of states ------------------------------------------------------------------------------------------------
+# -- matrices of states ----------------------------------------------------------------------------
 
 
 def of_ode45() -> dict[str, Any]:
@@ -279,12 +296,12 @@ def of_ode45() -> dict[str, Any]:
 
 @pytest.mark.parametrize("names", [("t", "x"), ("t", "x", "te", "xe", "ie")])
 def test_states_of_ode45(names: tuple[str, ...], tmp_path: Path) -> None:
-    given = {name: of_ode45()[name] for name in names}
+    variables = {name: of_ode45()[name] for name in names}
     path = tmp_path / "run.mat"
-    savemat(path, given)
-    rows = given | {"t": given["t"].ravel(), "x": given["x"].T}
-    wrong = given | {"x": given["x"] + 1e-3 * (given["t"] > 0.5)}
-    for source in (given, path, rows):
+    savemat(path, variables)
+    rows = variables | {"t": variables["t"].ravel(), "x": variables["x"].T}
+    wrong = variables | {"x": variables["x"] + 1e-3 * (variables["t"] > 0.5)}
+    for source in (variables, path, rows):
         check = crosscheck("fig5", source)
         assert isinstance(check, CrossCheck)
         assert check.ok, check.summary()
@@ -293,32 +310,36 @@ def test_states_of_ode45(names: tuple[str, ...], tmp_path: Path) -> None:
     assert isinstance(check, CrossCheck)
     assert not check.ok
     if "te" in names:
-        fewer = given | {name: given[name][1:] for name in ("te", "xe", "ie")}
+        fewer = variables | {name: variables[name][1:] for name in ("te", "xe", "ie")}
         assert len(crosscheck("fig5", fewer).missed) == 1
 
 
 def test_states_as_two_arguments() -> None:
-    given = of_ode45()
-    for t, x in ((given["t"], given["x"]), (given["t"].ravel(), given["x"].T)):
+    variables = of_ode45()
+    for t, x in ((variables["t"], variables["x"]), (variables["t"].ravel(), variables["x"].T)):
         assert crosscheck("fig5", t, x).ok
 
 
 def test_positions_beside_events_of_a_solver_need_no_option() -> None:
-    given = of_ode45()
-    given["x"] = given["x"][:, 0]
-    assert crosscheck("fig5", given).ok
+    variables = of_ode45()
+    variables["x"] = variables["x"][:, 0]
+    assert crosscheck("fig5", variables).ok
 
 
-# -- how much work a verdict is ----------------------------------------------------------------------------------------
+# -- how much work a verdict is --------------------------------------------------------------------
 
 
 def test_the_work_of_a_verdict_grows_with_the_samples_alone(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """Chatter, v = 0, 2, 0, 2 at steps of 1e-9, makes every step wrong and invents an event in each."""
+    """Chatter, v = 0, 2, 0, 2 at steps of 1e-9, makes every step wrong and invents an event in
+    each.
+    """
     explained: list[int] = []
     searched: list[int] = []
-    plain, rows, read = compare.explain, StepEvents.rows, events.find_events
+    plain = verdict.explain
+    rows = StepEvents.rows
+    read = verdict.find_events
 
     def explain(steps: Any, chosen: Any, *others: Any) -> Any:
         explained.append(len(chosen))
@@ -329,9 +350,9 @@ def test_the_work_of_a_verdict_grows_with_the_samples_alone(
         return rows(self, first, last)
 
     looked = []
-    monkeypatch.setattr(compare, "explain", explain)
+    monkeypatch.setattr(verdict, "explain", explain)
     monkeypatch.setattr(StepEvents, "rows", counted)
-    monkeypatch.setattr(compare, "find_events", lambda *given: looked.append(1) or read(*given))
+    monkeypatch.setattr(verdict, "find_events", lambda *taken: looked.append(1) or read(*taken))
     for count in (2_000, 20_000):
         t = np.arange(count) * 1e-9
         check = crosscheck("fig5", t, 0 * t, np.arange(count) % 2 * 2.0)
@@ -347,7 +368,9 @@ def test_the_work_of_a_verdict_grows_with_the_samples_alone(
 def test_positions_of_no_motion_are_not_fitted_for_long(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Rounded positions of another spring: a start that fails at the first of them is fitted to no more."""
+    """Rounded positions of another spring: a start that fails at the first of them is fitted to no
+    more.
+    """
     p = load_scene("fig5").parameters
     t = np.linspace(0, 40, count)
     x = simulate(p.replace(k=2 * p.k), t0=0, x0=0, v0=0, t_end=40)(t)[0]

@@ -150,6 +150,7 @@ WRITERS: dict[str, Callable[[Path], None]] = {
     "columns.mat": _mat(t=T[:, None], x=X[:, None], v=V[:, None]),
     "ode45.mat": _mat(t=T[:, None], y=np.column_stack([X, V])),
     "struct.mat": _mat(sol={"t": T, "x": X, "v": V}),
+    "nested.mat": _mat(out={"run": {"t": T, "x": X, "v": V}}),
     "version 7.3.mat": _matlab_73,
     "pyarrow.parquet": _parquet,
     "pandas.parquet": lambda path: frame().assign(note="text").to_parquet(path),

@@ -23,7 +23,9 @@ Reader = Callable[[IO[bytes], Asked | None, str], Any]
 
 
 class Format(NamedTuple):
-    """A format of files: its name for messages, "" if the messages of its reader are clear, and the reader."""
+    """A format of files: its name for messages, "" if the messages of its reader are clear, and the
+    reader.
+    """
 
     name: str
     read: Reader
@@ -162,7 +164,9 @@ def _format_of(path: str | Path, file: io.BufferedReader, where: str, read_table
 
 
 def _suffix_of_content(beginning: bytes) -> str:
-    """Return the suffix of the format whose files begin with these bytes, ".txt" if there is none."""
+    """Return the suffix of the format whose files begin with these bytes, ".txt" if there is
+    none.
+    """
     suffixes = (suffix for sign, suffix in BEGINNINGS.items() if beginning.startswith(sign))
     return next(suffixes, ".txt")
 

@@ -41,7 +41,9 @@ def whole(file: IO[bytes], where: str) -> bytes:
 
 
 def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the content of a JSON file, with Decimals for floats if all of it is wanted (`asked` is None)."""
+    """Return the content of a JSON file, with Decimals for floats if all of it is wanted (`asked`
+    is None).
+    """
     text = whole(file, where).decode("utf-8-sig")
     if not text.strip():
         raise ParameterError("file", where, f"is empty; it must hold columns, such as {EXAMPLE}")
@@ -140,7 +142,7 @@ def _content(variables: Record) -> Any:
     return columns
 
 
-# -- HDF5, also of MATLAB and Octave; text of Octave -------------------------------------------------------------------
+# -- HDF5, also of MATLAB and Octave; text of Octave -----------------------------------------------
 
 
 def read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
@@ -212,7 +214,9 @@ def _check_own(item: Any, where: str) -> None:
 
 
 def _hdf5_value(item: Any, where: str) -> Any:
-    """Return the value of an HDF5 dataset, or the list of values in a dict of datasets (an Octave cell array)."""
+    """Return the value of an HDF5 dataset, or the list of values in a dict of datasets (an Octave
+    cell array).
+    """
     if isinstance(item, dict):
         return [_hdf5_value(item[i], where) for i in sorted(item)]
     _check_own(item, where)
@@ -242,7 +246,9 @@ def _hdf5_value(item: Any, where: str) -> Any:
 
 
 def _octave_type(group: Any, where: str) -> str:
-    """Return what Octave says about the type of the value in a group; "" if it says that elsewhere."""
+    """Return what Octave says about the type of the value in a group; "" if it says that
+    elsewhere.
+    """
     link = group.get("type", getlink=True)
     if type(link).__name__ != "HardLink":  # the others may lead to another file
         return ""
@@ -251,7 +257,9 @@ def _octave_type(group: Any, where: str) -> str:
 
 
 def _octave_range(base: float, limit: float, increment: float, count: int) -> np.ndarray:
-    """Return the numbers of a range that Octave has saved by its base, limit, increment and count."""
+    """Return the numbers of a range that Octave has saved by its base, limit, increment and
+    count.
+    """
     values = base + increment * np.arange(count)  # rounding leads none beyond the limit
     if increment > 0:
         return np.minimum(values, limit)
@@ -318,7 +326,7 @@ def _octave_value(kind: str, lines: Iterator[str]) -> Any:
     )
 
 
-# -- MATLAB ------------------------------------------------------------------------------------------------------------
+# -- MATLAB ----------------------------------------------------------------------------------------
 
 MAT_HEADER = 128
 
@@ -341,7 +349,9 @@ def read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
 
 
 def has_wrong_tags(data: bytes) -> bool:
-    """Return whether a MATLAB file of version 5 has an unknown or overlong tag, at which scipy crashes."""
+    """Return whether a MATLAB file of version 5 has an unknown or overlong tag, at which scipy
+    crashes.
+    """
     order = {b"IM": "<", b"MI": ">"}.get(data[126:MAT_HEADER])
     if order is None:
         return False  # version 4, or no such file: scipy says so
@@ -355,7 +365,9 @@ def has_wrong_tags(data: bytes) -> bool:
 
 
 def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
-    """Return whether a MATLAB data element of type number `kind`, and every element nested in it, has a valid tag."""
+    """Return whether a MATLAB data element of type number `kind`, and every element nested in it,
+    has a valid tag.
+    """
     if kind != 14:  # no matrix: numbers, a packed matrix, which has a checksum of its own, or text
         return kind in (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
     parts = list(_tags(data, order, begin, end, True))

@@ -13,7 +13,7 @@ from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import unmasked
 from symosc.crosschecks.samples import checked, fastest_rate
 from symosc.model import Parameters
-from symosc.scenes import Scene
+from symosc.scenes import Scene, parameters_of
 from symosc.simulation.trajectory import Trajectory
 
 #: The problem that a function or a solver solves; None if it is not known.
@@ -25,13 +25,10 @@ MOST_TIMES = 200_000
 TIMES_PER_PERIOD = 200
 
 
-def parameters_of(problem: Scene | Parameters) -> Parameters:
-    """Return the parameters of a problem."""
-    return problem if isinstance(problem, Parameters) else problem.parameters
-
-
 def even_times(t0: float, t_end: float, p: Parameters) -> np.ndarray:
-    """Return evenly spaced times that resolve the shorter period of the drive and the free motion."""
+    """Return evenly spaced times that resolve the shorter period of the drive and the free
+    motion.
+    """
     period = 2.0 * pi / fastest_rate(p)
     count = ceil(min((t_end - t0) / period * TIMES_PER_PERIOD, float(MOST_TIMES)))
     return np.linspace(t0, t_end, min(max(count, LEAST_TIMES), MOST_TIMES) + 1)
@@ -47,7 +44,10 @@ def times_for(function: Callable[..., Any], problem: Problem) -> np.ndarray:
     if None in ends and isinstance(problem, Scene):
         ends = [problem.t0, problem.t_end]
     if None in ends or problem is None:
-        what = "needs times: give crosscheck(parameters, t, function), or a scene, which says from when to when"
+        what = (
+            "needs times: give crosscheck(parameters, t, function), or a scene, "
+            "which says from when to when"
+        )
         name = getattr(function, "__name__", type(function).__name__)
         raise ParameterError("function", name, what)
     times = even_times(float(ends[0]), float(ends[1]), parameters_of(problem))
@@ -58,7 +58,9 @@ def times_for(function: Callable[..., Any], problem: Problem) -> np.ndarray:
 
 
 def values_at(function: Callable[..., Any], times: Any) -> tuple[np.ndarray, np.ndarray]:
-    """Return the times as floats, and x and v of a function of all times at once or of one by one."""
+    """Return the times as floats, and x and v of a function of all times at once or of one by
+    one.
+    """
     times = checked(times, np.zeros(np.shape(times)), np.zeros(np.shape(times))).t
     with suppress(Exception):  # masked, or whatever it raises if it takes single numbers alone
         states = np.asarray(unmasked("function", function(times)), dtype=float)
@@ -82,7 +84,9 @@ def values_at(function: Callable[..., Any], times: Any) -> tuple[np.ndarray, np.
 
 
 def dense_note(trajectory: Trajectory, dense: Callable[[np.ndarray], Any], until: float) -> str:
-    """Return a note that says how far a solver's dense output is from the exact motion up to the time `until`."""
+    """Return a note that says how far a solver's dense output is from the exact motion up to the
+    time `until`.
+    """
     low = max(float(trajectory.t_start), float(getattr(dense, "t_min", -inf)))
     high = min(until, float(getattr(dense, "t_max", inf)))
     if not low < high:

@@ -21,7 +21,8 @@ USUAL_NAMES = {
     "t": {"t", "time", "times", "ts"},
     "x": {"x", "position", "positions", "pos", "displacement", "disp", "q", "xs"},
     "v": {
-        "v", "velocity", "velocities", "vel", "speed", "xdot", "dx", "dxdt", "xprime", "qdot", "vx", "vs",
+        "v", "velocity", "velocities", "vel", "speed", "xdot", "dx", "dxdt", "xprime", "qdot",
+        "vx", "vs",
     },
     ID_COLUMN: {
         "id", "ids", "trajectory", "trajectories", "traj", "run", "case", "motion", "trajectoryid",
@@ -112,7 +113,8 @@ def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
 
 
 def find_columns(names: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
-    """Return the names of t and x, and of v and id if present, among the columns `names` of `where`.
+    """Return the names of t and x, and of v and id if present, among the columns `names` of
+    `where`.
 
     Those that are `asked` for, else usual names. ParameterError if that is not clear.
     """

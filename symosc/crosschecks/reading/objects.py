@@ -78,7 +78,9 @@ def _of_trajectory(motion: Trajectory) -> NamedColumns:
 
 
 def of_function(function: Any, problem: Problem, times: Any = None) -> NamedColumns:
-    """Return the columns of a function t -> (x, v), at the given times or at those that resolve the `problem`."""
+    """Return the columns of a function t -> (x, v), at the given times or at those that resolve the
+    `problem`.
+    """
     if times is None:
         times = times_for(function, problem)
     times, (x, v) = values_at(function, times)
@@ -167,7 +169,9 @@ def is_velocity(t: Any, x: Any, v: Any) -> bool:
 
 
 def as_table(source: Any) -> Record | None:
-    """Return a mapping, structured array, or table of pandas, polars, xarray or pyarrow as a table, else None."""
+    """Return a mapping, structured array, or table of pandas, polars, xarray or pyarrow as a table,
+    else None.
+    """
     package = type(source).__module__.partition(".")[0]
     if isinstance(source, np.ndarray):
         if source.dtype.names is None:

@@ -38,7 +38,8 @@ SAME_TIME_UNITS = 4.0
 def read_solutions(
     source: Any, columns: Mapping[str, str | None] | None = None, problem: Problem = None
 ) -> list[Samples]:
-    """Read solutions from a file, standard input ("-"), a list of files, or an object such as a table or a function.
+    """Read solutions from a file, standard input ("-"), a list of files, or an object such as a
+    table or a function.
 
     `columns` says how the columns t, x, v and id are called, None for a missing one; from `problem`
     a function gets its times. ParameterError if the file cannot be read, a column is missing or the
@@ -86,7 +87,9 @@ def solutions_in(
 
 
 def _columns_of_rows(source: Sequence[Any], where: str) -> NamedColumns | None:
-    """Return the columns of a list of rows, which are mappings or t, x, v; None if they are none."""
+    """Return the columns of a list of rows, which are mappings or t, x, v; None if they are
+    none.
+    """
     if not source:
         raise ParameterError("solution", source, "is empty")
     if all(isinstance(row, Mapping) and _has_numbers(row) for row in source):
@@ -131,7 +134,9 @@ def _parts(source: Sequence[Any], asked: Asked, problem: Problem, where: str) ->
 
 
 def _joined(pieces: list[Samples]) -> list[Samples]:
-    """Return the pieces as one solution if each begins where the one before ends, else as they are."""
+    """Return the pieces as one solution if each begins where the one before ends, else as they
+    are.
+    """
     gaps = [
         abs(after.t[0] - before.t[-1]) / np.spacing(abs(before.t[-1]))
         for before, after in pairwise(pieces)

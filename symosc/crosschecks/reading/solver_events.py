@@ -11,9 +11,10 @@ import numpy as np
 
 from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import unmasked
-from symosc.crosschecks.reading.functions import Problem, parameters_of
+from symosc.crosschecks.reading.functions import Problem
 from symosc.crosschecks.samples import Samples, fastest_rate
 from symosc.model import Parameters
+from symosc.scenes import parameters_of
 
 # Two functions that vanish together, such as an event that ends a piece, find one event: their
 # times differ by less than this part of the shortest period.
@@ -62,8 +63,8 @@ def solver_events(columns: Mapping[str, Any], problem: Problem, samples: Samples
         if not distinct or time - distinct[-1] > SAME_TIME * 2.0 * pi / fastest_rate(p):
             distinct.append(time)
     notes = [
-        "the times of events are the solver's t_events; they must have every contact at a belt that they are about, "
-        "and the rest is read off the samples"
+        "the times of events are the solver's t_events; they must have every contact at a belt "
+        "that they are about, and the rest is read off the samples"
     ]
     if beside:
         functions = "1 event function finds" if beside == 1 else f"{beside} event functions find"
@@ -93,7 +94,9 @@ def _speeds(states: Any, i: int, count: int) -> list[float]:
 
 
 def _lists_of_matlab(columns: Mapping[str, Any]) -> tuple[list[Any], list[Any] | None]:
-    """Return times and states by event function from the te, ye (or xe) and ie of MATLAB's ode45."""
+    """Return times and states by event function from the te, ye (or xe) and ie of MATLAB's
+    ode45.
+    """
     times = np.ravel(columns["te"])
     ie = columns.get("ie")
     functions = np.zeros(len(times)) if ie is None else np.ravel(ie)

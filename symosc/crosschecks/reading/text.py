@@ -127,7 +127,9 @@ def read_table(file: IO[bytes], choose: Choose, where: str) -> TextTable:
 
 
 def _headers_in(comments: list[Line], delimiter: str | None, width: int) -> list[list[str]]:
-    """Return the comments that may be the header of a table with `width` columns, the last first."""
+    """Return the comments that may be the header of a table with `width` columns, the last
+    first.
+    """
     signs = "".join(COMMENT_SIGNS) + " "
     rows = [_split_cells(line.text.lstrip(signs), delimiter) for line in reversed(comments)]
     return [row for row in rows if not _are_numbers(row, None) and width in (0, len(row))]
@@ -230,5 +232,7 @@ def _written_plainly(cell: str, delimiter: str | None) -> str:
 
 
 def plain_number(cell: str) -> str:
-    """Return the text of a number with a point for a decimal comma, and with e for the d of a Fortran exponent."""
+    """Return the text of a number with a point for a decimal comma, and with e for the d of a
+    Fortran exponent.
+    """
     return re.sub(r"([\d.])[dD]([+-]?\d)", r"\1e\2", cell.replace(",", "."))

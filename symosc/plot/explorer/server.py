@@ -18,6 +18,7 @@ from typing import Any, TypeAlias
 from urllib.parse import urlsplit
 
 from symosc.base.aliases import Record
+from symosc.base.display.pages import render
 from symosc.base.errors import MissingExtraError, ParameterError, SymoscError
 from symosc.plot.explorer import answers
 from symosc.plot.panels import BELT_COLOR, FORCE_ABOVE, FORCE_BELOW, MASS_COLOR
@@ -198,10 +199,6 @@ class _Handler(BaseHTTPRequestHandler):
 
 def page(state: dict[str, str]) -> str:
     """Return the page's HTML with these texts in its input fields."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    loader = PackageLoader("symosc.plot.explorer", "page")
-    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     script, places = _plots()
     scenes = {
         name: answers.link_of(answers.state_of(scene))
@@ -214,7 +211,7 @@ def page(state: dict[str, str]) -> str:
         "script": script,
         "places": places,
     }
-    return environment.get_template("page.html.j2").render(content)
+    return render("plot/explorer/page/page.html.j2", content)
 
 
 @cache

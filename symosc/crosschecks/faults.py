@@ -1,0 +1,255 @@
+"""The wrong steps of a solution, each with a guess why it is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from symosc.crosschecks.steps import ExactSteps
+from symosc.friction import MODE_NAMES
+
+#: Reasons by name, in words.
+REASONS = {
+    "jump": "a jump where two pieces are joined",
+    "wrong force": "wrong friction force",
+    "outlier": "a sample off by itself",
+    "event at the start": "an event at the start of the step",
+    "sign tolerance": "sign tolerance",
+    "drift on the belt": "drift on the belt",
+    "double root": "a belt met and left within the step",
+    "crossing inside the step": "a crossing inside the step",
+    "undecidable": "a contact that cannot be decided",
+    "local error": "an error inside a domain",
+}
+# Another motion explains a step if its defect is at most this fraction of the exact motion's
+# defect.
+EXPLAINS = 0.02
+# An event is at the start of a step if it is this part of a forcing period after it.
+AT_ONCE = 1e-6
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A wrong step: the exact motion from its first sample does not reach the next one.
+
+    Attributes
+    ----------
+    step : int
+        From sample `step` to the next one.
+    t, t_next : float
+    defect_x, defect_v : float
+        Exact motion minus the next sample.
+    expected, found : str
+        Mode at the end of the step: of the exact motion, and of the samples ("" where they are
+        passing a belt).
+    reason : str
+        A guess at the cause, one of REASONS.
+    words : str
+        The guess in words.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from symosc import crosscheck, simulate
+    >>> t = np.linspace(0, 7, 200)
+    >>> x, v = simulate("fig5", t_end=7)(t)
+    >>> v[100] += 0.1
+    >>> crosscheck("fig5", t, x, v).first_wrong.words
+    'without sample 100 the step from 99 to 101 is right'
+    """
+
+    step: int
+    t: float
+    t_next: float
+    defect_x: float
+    defect_v: float
+    expected: str
+    found: str
+    reason: str
+    words: str
+
+    @property
+    def wrong_decision(self) -> bool:
+        """Whether the samples stick, slip or cross where the exact motion does otherwise."""
+        return self.found not in ("", self.expected)
+
+
+class WrongStep:
+    """A wrong step, the exact motion over it, and flights from its first sample.
+
+    `mode` is that of the samples at its end, 0 where they only pass a belt; `first` and `last` are
+    the modes of the exact motion, `times` those of its events. A flight with the force of one of
+    the domains `fitting` reaches the next sample. `over_next` is how far each of the three flights
+    misses the sample after that, in units of the allowed defect.
+    """
+
+    def __init__(
+        self,
+        steps: ExactSteps,
+        i: int,
+        modes: np.ndarray,
+        sizes: np.ndarray,
+        allowed: np.ndarray,
+        near: np.ndarray,
+        to_next: np.ndarray,
+        over_next: np.ndarray,
+    ) -> None:
+        self.steps = steps
+        self.i = i
+        self.size = float(sizes[i])
+        self.allowed = allowed[i]
+        self.near = float(near[i])
+        self.over_next = over_next
+        self.mode_before = int(modes[i])
+        self.mode = int(modes[i + 1])
+        self.first = int(steps.first[i])
+        self.last = int(steps.last[i])
+        self.rows = steps.events.rows(i, i)
+        self.times = steps.events.t[self.rows]
+        self.limit = max(1.0, EXPLAINS * self.size)
+        self.fitting: list[int] = (1 + np.flatnonzero(to_next <= self.limit)).tolist()
+        self.at_once = bool(len(self.times)) and bool(
+            self.times[0] - steps.t[i] <= AT_ONCE * steps.K.period
+        )
+        #: v minus the speeds of both belts, at the first and the next sample.
+        self.gaps = steps.v[i : i + 2] - steps.belts[:, None]
+        self.nearest = int(np.argmin(np.abs(self.gaps[:, 0])))
+
+    @property
+    def here(self) -> str:
+        """Where v is at the start of the step, in words."""
+        gap = self.gaps[self.nearest, 0]
+        return f"v - v{self.nearest + 1} = {gap:.2g} at its start"
+
+
+def _undecidable(step: WrongStep) -> str:
+    if np.isfinite(step.size):
+        return ""
+    return "the exact motion over the step cannot be decided in double precision"
+
+
+def _jump(step: WrongStep) -> str:
+    if step.steps.t[step.i + 1] != step.steps.t[step.i]:
+        return ""
+    return f"samples {step.i} and {step.i + 1} are at one time and differ"
+
+
+def _drift(step: WrongStep) -> str:
+    belt = step.last - 3
+    if belt <= 0 or step.mode != step.last:
+        return ""
+    gap = step.gaps[belt - 1, 1]
+    if gap == 0.0 or abs(step.steps.defects[step.i, 0]) > step.allowed[0]:
+        return ""
+    return f"v should be v{belt} in the stick and is off by {gap:.2g}"
+
+
+def _wrong_force(step: WrongStep) -> str:
+    if not step.fitting or len(step.times) or step.first > 3:
+        return ""
+    return f"the force of Omega{step.fitting[0]} explains the step, which lies in Omega{step.first}"
+
+
+def _event_at_start(step: WrongStep) -> str:
+    if step.first > 3 and step.mode <= 3:
+        return f"the mass sticks to belt {step.first - 3} here, the samples leave it ({step.here})"
+    near_start = abs(step.gaps[step.nearest, 0]) <= step.near
+    if step.fitting and near_start and (not len(step.times) or step.at_once):
+        return f"the force of Omega{step.fitting[0]} explains the step ({step.here})"
+    return ""
+
+
+def _sign_tolerance(step: WrongStep) -> str:
+    if step.mode <= 3 and step.first <= 3 and step.at_once:
+        return f"{step.here}: the step begins on the wrong side of the belt"
+    if step.mode > 3 and step.last <= 3 and step.mode_before == step.mode:
+        return f"the mass leaves belt {step.mode - 3}, the samples stay on it ({step.here})"
+    return ""
+
+
+def _double_root(step: WrongStep) -> str:
+    if not len(step.times) or not step.first == step.last == step.mode:
+        return ""
+    belt = step.steps.events.boundary[step.rows][0]
+    met = f"the motion meets belt {belt} at t = {step.times[0]:.10g}"
+    back = f"is back at t = {step.times[-1]:.10g}"
+    return f"{met} and {back}; signs at the ends of the step do not show it"
+
+
+def _outlier(step: WrongStep) -> str:
+    i = step.i
+    if len(step.times) or i + 2 >= len(step.steps.t) or step.first > 3:
+        return ""
+    left = step.over_next[step.first - 1]
+    if not left <= step.limit:
+        return ""
+    part = "is right" if left <= 1.0 else f"is off by {left / step.size:.0e} of that"
+    return f"without sample {i + 1} the step from {i} to {i + 2} {part}"
+
+
+def _crossing(step: WrongStep) -> str:
+    if not len(step.times):
+        return ""
+    target = int(step.steps.events.target[step.rows][0])
+    what = f"{MODE_NAMES[step.first]} -> {MODE_NAMES[target]} at t = {step.times[0]:.10g}"
+    if step.fitting:
+        return f"{what}; the force of Omega{step.fitting[0]} was kept"
+    return what
+
+
+def _local(step: WrongStep) -> str:
+    return f"the step lies in {MODE_NAMES[step.first]} and has no event"
+
+
+#: What says in words how a step shows each of REASONS, "" if it does not; the first that fits
+#: counts.
+GUESSES: tuple[tuple[str, Callable[[WrongStep], str]], ...] = (
+    ("undecidable", _undecidable),
+    ("jump", _jump),
+    ("drift on the belt", _drift),
+    ("wrong force", _wrong_force),
+    ("event at the start", _event_at_start),
+    ("sign tolerance", _sign_tolerance),
+    ("double root", _double_root),
+    ("outlier", _outlier),
+    ("crossing inside the step", _crossing),
+    ("local error", _local),
+)
+
+
+def explain(
+    steps: ExactSteps,
+    chosen: Sequence[int],
+    modes: np.ndarray,
+    sizes: np.ndarray,
+    allowed: np.ndarray,
+    near: np.ndarray,
+) -> tuple[Fault, ...]:
+    """Return a `Fault` with a guess at the cause for each of the wrong steps with the numbers
+    `chosen`.
+
+    `modes` are the mode codes of the samples, 0 where a sample only passes a belt. `allowed` is the
+    defect in x and v up to which each step is right, and `sizes` the defect of each step divided by
+    it. A sample is on a belt if its v differs from the belt's speed by at most `near`.
+    """
+    since = np.array(chosen, dtype=int)
+    misses = []  # of flights with the force of each domain, to the next sample and to the one after
+    for n in (1, 2):
+        until = np.minimum(since + n, len(steps.t) - 1)
+        ends = np.array([steps.flight(domain, since, until) for domain in (1, 2, 3)])
+        gaps = ends - steps.states[until]
+        misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
+    to_next, over_next = misses
+    faults = []
+    for k, i in enumerate(chosen):
+        step = WrongStep(steps, i, modes, sizes, allowed, near, to_next[:, k], over_next[:, k])
+        guesses = ((reason, in_words(step)) for reason, in_words in GUESSES)
+        reason, words = next(guess for guess in guesses if guess[1])
+        t, t_next = steps.t[i : i + 2].tolist()
+        dx, dv = steps.defects[i].tolist()
+        expected = MODE_NAMES[step.last]
+        mode = MODE_NAMES.get(step.mode, "")
+        faults.append(Fault(i, t, t_next, dx, dv, expected, mode, reason, words))
+    return tuple(faults)

@@ -1,0 +1,140 @@
+"""How far the times of a solution's events may be off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import cos, sin, sqrt
+
+import numpy as np
+
+from symosc.crosschecks.events import CODES, MODES
+from symosc.crosschecks.steps import ExactSteps
+from symosc.engine.flow import derivatives
+from symosc.engine.next_event import passing_time
+from symosc.friction import NEIGHBOURS
+from symosc.kernels._generated import acceleration
+from symosc.simulation.trajectory import Event, Trajectory
+
+# Times are estimated from the leading derivatives: twice that is surely enough.
+REACH_SAFETY = 2.0
+
+
+@dataclass(frozen=True)
+class TimeTolerances:
+    """How far the times of events may be from the exact ones, as the errors of the samples allow.
+
+    Attributes
+    ----------
+    steps : ExactSteps
+    errors : (n, 2) array
+        Allowed errors of the samples in x and v.
+    allowed_v : float
+        The tolerance as a velocity.
+    tolerance : float
+    listed : (m,) array
+        Rounding of the times of a list.
+    """
+
+    steps: ExactSteps
+    errors: np.ndarray
+    allowed_v: float
+    tolerance: float
+    listed: np.ndarray
+
+    def of_event(self, event: Event) -> float:
+        """Return by how much a solver's time of an exact event may be off."""
+        t = float(event.t)
+        x = float(event.x)
+        theta = float(event.theta)
+        return self._tolerance(t, x, theta, event.boundary, MODES[event.source])
+
+    def of_row(self, row: int) -> float:
+        """Return by how much a solver's time of the exact event in one `row` of `steps.events` may
+        be off.
+        """
+        events = self.steps.events
+        step = int(events.step[row])
+        boundary = int(events.boundary[row])
+        starts = row == 0 or events.step[row - 1] != step
+        before = int(self.steps.first[step] if starts else events.target[row - 1])
+        source = min(before, 3)
+        if events.kind[row] == CODES["slip"]:
+            source = 3 + boundary
+        t, x, theta = (float(column[row]) for column in (events.t, events.x, events.theta))
+        return self._tolerance(t, x, theta, boundary, source)
+
+    def of_start(self, boundary: int) -> float:
+        """Return how long after the first sample a solver may list its start on a belt as an
+        event.
+        """
+        t = float(self.steps.t[0])
+        x = float(self.steps.x[0])
+        theta = float(self.steps.theta[0])
+        return max(
+            self._tolerance(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary]
+        )
+
+    def of_near_graze(self, trajectory: Trajectory, time: float) -> float | None:
+        """Return how long before and after a time v is within tolerance of a belt's speed.
+
+        None if it is not.
+        """
+        inside = float(trajectory.t_start) <= time <= float(trajectory.t_end)
+        if not inside:
+            return None
+        mode = MODES[trajectory.mode(time)]
+        if mode > 3:
+            return None
+        K = self.steps.K
+        x, v = (float(value) for value in trajectory(time))
+        # The phase of the samples' clock does not lose digits at large times.
+        step = self.steps.at(time)[0]
+        theta = float(self.steps.theta[step] + K.Om * (time - self.steps.t[step]))
+        a = self._acceleration(x, v, theta, mode)
+        b = float(derivatives(v, a, sin(theta), cos(theta), K)[0])
+        spread = self._spread(time)[1] + self.allowed_v
+        gap = min(abs(v - belt.v) for belt in (K.belt1, K.belt2))
+        if b == 0.0 or gap > REACH_SAFETY * spread or a * a > 2.0 * REACH_SAFETY * spread * abs(b):
+            return None
+        return REACH_SAFETY * sqrt(2.0 * spread / abs(b))
+
+    def _acceleration(self, x: float, v: float, theta: float, domain: int) -> float:
+        """Return the acceleration of the mass at a state x, v and phase theta, with the force of a
+        domain.
+        """
+        K = self.steps.K
+        return float(
+            acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
+        )
+
+    def _spread(self, time: float) -> tuple[float, float]:
+        """Return bounds of the errors of x and v around a time.
+
+        The second bounds all later errors of v too.
+        """
+        # For the differences X, V of two motions V^2 + (k/m) X^2 never grows: an error of x may
+        # become one of v.
+        j = int(np.searchsorted(self.steps.t, time))
+        dx, dv = (float(value) for value in np.max(self.errors[max(j - 2, 0) : j + 2], axis=0))
+        return dx, sqrt(dv * dv + self.steps.K.w0sq * dx * dx)
+
+    def _tolerance(self, time: float, x: float, theta: float, boundary: int, source: int) -> float:
+        """Return how far the time of an event at x, theta and a belt may be off.
+
+        `source` is the mode that it ends.
+        """
+        K = self.steps.K
+        dx, dv = self._spread(time)
+        v = (K.belt1, K.belt2)[boundary - 1].v
+        s = sin(theta)
+        c = cos(theta)
+        rate = max(K.Om, sqrt(K.w0sq))
+        if source > 3:  # the force passes 0, with known derivatives
+            error = K.w0sq * dx + rate * self.allowed_v
+            slopes = -(K.w0sq * v + K.fB * s), -K.fB * K.Om * c, K.fB * K.Om * K.Om * s
+        else:  # the velocity passes the belt's
+            error = dv + self.allowed_v
+            a = self._acceleration(x, v, theta, source)
+            slopes = (a, *derivatives(v, a, s, c, K)[:2])
+        passing = REACH_SAFETY * float(passing_time(error, *slopes, K))
+        return passing + self.tolerance / rate + 4.0 * float(np.spacing(abs(time)))
