@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 from sympy.core.function import AppliedUndef
@@ -109,6 +109,13 @@ INEQUALITIES = sp.StrictLessThan, sp.LessThan, sp.StrictGreaterThan, sp.GreaterT
 LESS = {"<": "<", ">": "<", "<=": r"\leq", ">=": r"\leq"}
 
 
+class _Quotient(NamedTuple):
+    """The factors above and below the bar of a fraction."""
+
+    above: list[Expr]
+    below: list[Expr]
+
+
 class PaperPrinter(LatexPrinter):
     """A sympy LaTeX printer with the paper's symbols, order and fractions."""
 
@@ -137,55 +144,53 @@ class PaperPrinter(LatexPrinter):
         return str(first) + "".join(signed)
 
     def _print_Mul(self, expr: Expr) -> str:
-        if expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0:
-            sign = "- "
+        negative = expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0
+        if negative:
             expr = -expr
-        else:
-            sign = ""
         for drag in DRAGS.intersection(sp.Mul.make_args(expr)):
-            if sign:
-                sign = ""
-            else:
-                sign = "- "
-            expr = sp.Mul(
-                *(factor for factor in sp.Mul.make_args(expr) if factor != drag),
-                -drag,
-                evaluate=False,
-            )
+            negative = not negative
+            others = (factor for factor in sp.Mul.make_args(expr) if factor != drag)
+            expr = sp.Mul(*others, -drag, evaluate=False)
+        sign = "- " if negative else ""
         expr = _one_root(expr)
         if not expr.is_Mul:
             return sign + self._print(expr)
-        # Factors above and below the bar: in the fraction that stands in front, and all others.
-        above, below, rest_above, rest_below = (list[Expr]() for _ in range(4))
-        for factor in expr.args:
+        front, rest = self._quotients(expr)
+        if rest.below or not rest.above:
+            return sign + self._fraction(front.above + rest.above, front.below + rest.below)
+        tall = any(factor.as_base_exp()[0].is_Add for factor in front.below)
+        if not front.below or tall or (not front.above and len(rest.above) == 1):
+            return sign + self._fraction(front.above + rest.above, front.below)
+        fraction = self._fraction(front.above, front.below)
+        return f"{sign}{fraction} {self._product(rest.above, alone=False)}"
+
+    def _quotients(self, product: Expr) -> tuple[_Quotient, _Quotient]:
+        """Return the factors of the fraction that stands in front (numbers and parameters), and all
+        others.
+        """
+        front = _Quotient([], [])
+        rest = _Quotient([], [])
+        for factor in product.args:
             base, power = factor.as_base_exp()
             known = {symbol.name for symbol in base.free_symbols} <= PARAMETERS
             if factor.is_Rational:
-                decimal = self.decimals and "/" not in show(Fraction(int(factor.p), int(factor.q)))
-                if decimal:
-                    top = factor
-                    bottom = 1
-                else:
-                    top = sp.Integer(factor.p)
-                    bottom = sp.Integer(factor.q)
-                above += [top] * (top != 1)
-                below += [bottom] * (bottom != 1)
+                top, bottom = self._number_parts(factor)
+                front.above.extend([top] * (top != 1))
+                front.below.extend([bottom] * (bottom != 1))
             elif power.is_Rational and power < 0 and not factor.has(sp.exp):
-                (below if known else rest_below).append(sp.Pow(base, -power))
+                part = front if known else rest
+                part.below.append(sp.Pow(base, -power))
             else:
-                (
-                    above if known and not base.is_Add and not base.is_Function else rest_above
-                ).append(factor)
-        if rest_below or not rest_above:
-            return sign + self._fraction(above + rest_above, below + rest_below)
-        tall = any(
-            factor.is_Add or factor.base.is_Add
-            for factor in below
-            if factor.is_Add or factor.is_Pow
-        )
-        if not below or tall or (not above and len(rest_above) == 1):
-            return sign + self._fraction(above + rest_above, below)
-        return f"{sign}{self._fraction(above, below)} {self._product(rest_above, alone=False)}"
+                plain = known and not base.is_Add and not base.is_Function
+                part = front if plain else rest
+                part.above.append(factor)
+        return front, rest
+
+    def _number_parts(self, number: Expr) -> tuple[Expr, Expr]:
+        """Return what stands above and below the bar for a rational number."""
+        if self.decimals and "/" not in show(Fraction(int(number.p), int(number.q))):
+            return number, sp.Integer(1)
+        return sp.Integer(number.p), sp.Integer(number.q)
 
     def _fraction(self, above: list[Expr], below: list[Expr]) -> str:
         """Return the LaTeX of a quotient of two products of factors, without fractions in

@@ -29,6 +29,13 @@ def items(scope: Scope) -> Items:
     """Yield the chapter: why enclosures prove motions, orbits, branches, motions that settle, and
     grazing windows.
     """
+    yield _motions()
+    yield _orbits()
+    yield _windows()
+
+
+def _motions() -> Items:
+    """Yield the items on the arithmetic of balls, and motions."""
     x = sp.Symbol("x", real=True)
     y = sp.Symbol("Y", real=True)
     f = sp.Function("f")(x)
@@ -138,6 +145,10 @@ def items(scope: Scope) -> Items:
         r"$\dot{x}_i$ and $\ddot{x}_i$ are rational at an exact start, where a stick ends "
         r"($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such a touch.",
     )
+
+
+def _orbits() -> Items:
+    """Yield the items on orbits, branches, and motions that settle."""
     meaning = {TRACE: ONE + TWO, DET: ONE * TWO}
     yield (
         r"\subsection{Orbits: existence, uniqueness, word, stability}",
@@ -215,6 +226,10 @@ def items(scope: Scope) -> Items:
         r"is added. The checker follows $B$ once round with exponentials of matrices, and judges "
         r"$q$ anew.",
     )
+
+
+def _windows() -> Items:
+    """Yield the items on windows."""
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     velocity = path.diff(t)

@@ -80,6 +80,14 @@ def items(scope: Scope) -> Items:
     """Yield the chapter: the closed form of a flight in every damping regime, and how the regimes
     join.
     """
+    yield _functions()
+    yield _motion()
+    yield _as_printed(scope)
+    yield _regimes(scope)
+
+
+def _functions() -> Items:
+    """Yield the items on the five basis functions."""
     generic = generic_basis()
     rates = []
     for symbol, rate in solution.rates().items():
@@ -109,6 +117,10 @@ def items(scope: Scope) -> Items:
         r"rates: both sides have the same rates, and are equal at $\tau = 0$.\end{proof}",
         solved_functions(generic),
     )
+
+
+def _motion() -> Items:
+    """Yield the items on the motion."""
     start, *motion = flow()
     yield (
         r"\subsection{The motion}",
@@ -126,6 +138,10 @@ def items(scope: Scope) -> Items:
         r"\eqref{eq:domains-x} solves the equation with the right start was checked with the "
         r"relations alone.\end{proof}",
     )
+
+
+def _as_printed(scope: Scope) -> Items:
+    """Yield the items on the form that papers print."""
     if scope.scene is None:
         name = "underdamped"
     else:
@@ -153,6 +169,10 @@ def items(scope: Scope) -> Items:
         r"short times, where \eqref{eq:domains-x} loses none if the basis functions are computed "
         r"as divided differences \cite{mccurdy1984}.",
     )
+
+
+def _regimes(scope: Scope) -> Items:
+    """Yield the items on the regimes of damping, and their limits."""
     if scope.scene:
         regime = scope.regimes[0]
         name, condition = REGIME_WORDS[regime.name]

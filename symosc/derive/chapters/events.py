@@ -24,6 +24,14 @@ def items(scope: Scope) -> Items:
     """Yield the chapter: the equation of the gap to a belt, how often it vanishes, and the bounds
     of the search.
     """
+    yield _gap()
+    yield _zeros()
+    yield _bounds()
+    yield _search()
+
+
+def _gap() -> Items:
+    """Yield the items on the equation for the gap."""
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     jerk = newton.diff(t).subs(path.diff(t, 2), newton)
@@ -43,6 +51,10 @@ def items(scope: Scope) -> Items:
         r"phases $\Theta^{\mathrm{cr}}$ and $\pi - \Theta^{\mathrm{cr}}$, which are known in "
         r"closed form.",
     )
+
+
+def _zeros() -> Items:
+    """Yield the items on the zeros between critical phases."""
     phi = sp.Function("phi")(tau)
     q = sp.Function("q")(tau)
     g = phi * q
@@ -93,6 +105,10 @@ def items(scope: Scope) -> Items:
         r"is Theorem~\ref{thm:accumulation-finite}. The bounds below need no pieces, and are what "
         r"the program uses from step to step.",
     )
+
+
+def _bounds() -> Items:
+    """Yield the items on bounds for later times."""
     yield r"\subsection{Two bounds for later times}"
     third = named("u^{(3)}")
     fourth = named("u^{(4)}")
@@ -158,6 +174,10 @@ def items(scope: Scope) -> Items:
         r"at most at the rate $|a|\Omega^3$: in $1/\Omega$ by no more than $|a|\Omega^2 = "
         r"|B_0|\Omega^3/m$.\end{proof}",
     )
+
+
+def _search() -> Items:
+    """Yield the items on the search, and that it ends."""
     s = sp.Symbol("s", positive=True)
     left = named("p(s)")
     values = [named(name) for name in ("g", r"\dot{g}", r"\ddot{g}", "g^{(3)}")]

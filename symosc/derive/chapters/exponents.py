@@ -59,6 +59,14 @@ def items(scope: Scope) -> Items:
     """Yield the chapter: derivatives of events by parameters, Lyapunov exponents, and why there is
     no chaos.
     """
+    yield _derivatives()
+    yield _limits()
+    yield _exponents()
+    yield _no_chaos()
+
+
+def _derivatives() -> Items:
+    """Yield the items on derivatives of events."""
     s, e = sp.symbols("s varepsilon", real=True)
     place = named("x")
     speed = named(r"\dot{x}")
@@ -120,6 +128,10 @@ def items(scope: Scope) -> Items:
         r"the end of a stick changes nothing, it only takes place sooner or later.",
         _events_table(),
     )
+
+
+def _limits() -> Items:
+    """Yield the items on where the derivatives end."""
     lasts = lengths()
     yield (
         r"\subsection{Where they end}",
@@ -149,6 +161,10 @@ def items(scope: Scope) -> Items:
         r"there. In (ii) and (iii) each side has its own derivatives.",
         _graze_example(),
     )
+
+
+def _exponents() -> Items:
+    """Yield the items on Lyapunov exponents."""
     chi = sp.Symbol(r"\chi_j", positive=True)
     change = named(r"\ln\det(S_j\Phi(\tau_j))")
     gone = named(r"\ln\chi_j")
@@ -187,6 +203,10 @@ def items(scope: Scope) -> Items:
         r"(i).\end{proof}",
         _exponents_table(),
     )
+
+
+def _no_chaos() -> Items:
+    """Yield the items on why there is no chaos."""
     place = named("y")
     rate = named(r"\dot{y}")
     n = sp.Symbol("n", integer=True, positive=True)

@@ -52,6 +52,15 @@ def items(scope: Scope) -> Items:
     """Yield the chapter: what a contact fixes, Theorem 7 with all cases, the case of equality, and
     k = 0.
     """
+    yield _contact()
+    yield _signs()
+    yield _theorem()
+    yield _ends(scope)
+    yield _no_spring()
+
+
+def _contact() -> Items:
+    """Yield the items on what a contact fixes."""
     rows = []
     for mapping, place in PLACES.items():
         if place.side > 0:
@@ -77,6 +86,10 @@ def items(scope: Scope) -> Items:
             tuple(rows),
         ),
     )
+
+
+def _signs() -> Items:
+    """Yield the items on the sign that decides at a contact."""
     gamma, amplitude, position = contact_steps()
     values = {GAMMA: gamma.right, AMPLITUDE: amplitude.right}
     first = solution.in_paper_letters(solution.g_function(1).subs(v, v_lambda)).subs(
@@ -108,6 +121,10 @@ def items(scope: Scope) -> Items:
         r"vary along the family of contacts: the case of the theorem is decided by the "
         r"parameters.\end{proof}",
     )
+
+
+def _theorem() -> Items:
+    """Yield the items on the theorem."""
     yield (
         r"\subsection{The theorem}",
         r"\begin{theorem}[the paper's Theorem 7, (55) to (58), "
@@ -150,6 +167,10 @@ def items(scope: Scope) -> Items:
             0.95,
         ),
     )
+
+
+def _ends(scope: Scope) -> Items:
+    """Yield the items on the ends of a window and equality."""
     if scope.scene:
         yield [
             _numbers(scope, mapping)
@@ -230,6 +251,11 @@ def items(scope: Scope) -> Items:
         r"either of them.",
         facts(equation(gamma7, a7), equation(gamma8, -a8)),
     )
+
+
+def _no_spring() -> Items:
+    """Yield the items on motions without a spring."""
+    sine = named(r"\sin\theta_m")
     phase = named(r"\cos\theta_m")
     plain = solution.in_paper_letters(solution.acceleration()).subs(
         {v: v_lambda, Omega * t: THETA_M, k: 0}

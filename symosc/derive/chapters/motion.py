@@ -95,6 +95,13 @@ def items(scope: Scope) -> Items:
     """Yield the chapter: forces, domains, monotone friction, uniqueness, and what a belt has to
     hold.
     """
+    yield _balance()
+    yield _domains(scope)
+    yield _monotone(scope)
+
+
+def _balance() -> Items:
+    """Yield the items on the balance of forces."""
     total = named(r"m\ddot{x}")
     first = named("T_1")
     second = named("T_2")
@@ -132,6 +139,10 @@ def items(scope: Scope) -> Items:
             0.75,
         ),
     )
+
+
+def _domains(scope: Scope) -> Items:
+    """Yield the items on domains and boundaries."""
     ode = named(r"m\ddot{x} + c\dot{x} + k x")
     A = solution.A
     free = {ode: m * solution.in_paper_letters(solution.acceleration()) + c * v + k * x}
@@ -175,6 +186,10 @@ def items(scope: Scope) -> Items:
         r"= 0$; then the belt has no friction and there is no boundary. The paper's assumption "
         r"$\mu_1 \ge \mu_2$ is not needed.\end{proof}",
     )
+
+
+def _monotone(scope: Scope) -> Items:
+    """Yield the items on monotone friction, and the force of a stick."""
     y = named("y")
     rate = named(r"\dot{y}")
     energy = named(r"\frac{d}{dt}\Bigl(\frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2\Bigr)")
