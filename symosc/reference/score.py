@@ -89,6 +89,26 @@ class CaseScore:
     note: str = ""
     wrong: list[Wrong] = field(default_factory=list)
 
+    def note_missed(self, t: float, wanted: str, count: int = 1) -> None:
+        """Note events of the reference that were not found, from the time t on."""
+        self.missed += count
+        self.wrong.append(Wrong("missed", t, wanted, ""))
+
+    def note_invented(self, t: float, found: str, count: int = 1) -> None:
+        """Note events that the reference does not have, from the time t on."""
+        self.invented += count
+        self.wrong.append(Wrong("invented", t, "", found))
+
+    def note_kind(self, t: float, wanted: str, found: str) -> None:
+        """Note an event of a wrong kind, or at another belt."""
+        self.kinds += 1
+        self.wrong.append(Wrong("wrong kind", t, wanted, found))
+
+    def note_error(self, t: float, wanted: str, found: str) -> None:
+        """Note an event with too large an error."""
+        self.late += 1
+        self.wrong.append(Wrong("error", t, wanted, found))
+
     @property
     def right(self) -> bool:
         """Whether the results are there and complete, with no fault."""
@@ -127,6 +147,35 @@ class Score:
         }
         about: Record = {"solver": self.name, "ok": self.ok, "tolerance": self.tolerance}
         return about | count | {"results": [case.as_dict() for case in self.cases]}
+
+
+@dataclass(frozen=True)
+class Totals:
+    """What a solver's results for all cases count up to."""
+
+    missed: int
+    invented: int
+    kinds: int
+    late: int
+    derivatives: int
+    wrong_derivatives: int
+    grazes: int
+    grazes_found: int
+
+    @classmethod
+    def of(cls, score: Score) -> Totals:
+        """Return the totals of a score."""
+        cases = score.given
+        return cls(
+            missed=sum(case.missed for case in cases),
+            invented=sum(case.invented for case in cases),
+            kinds=sum(case.kinds for case in cases),
+            late=sum(case.late for case in cases),
+            derivatives=sum(case.derivatives for case in cases),
+            wrong_derivatives=sum(case.wrong_derivatives for case in cases),
+            grazes=sum(case.grazes for case in cases),
+            grazes_found=sum(case.grazes_found for case in cases),
+        )
 
 
 def read_tolerance(value: object) -> float:
@@ -197,6 +246,7 @@ class _Judge:
         Note too large errors, and missed, invented and wrong events.
         """
         case = self.case
+        judged = self.judged
         found = self._of_last_period(events)
         placed = [event._replace(boundary=self._boundary(event)) for event in found]
         pairs = align(placed, case.events, self.times, WINDOW * self.period)
@@ -225,13 +275,11 @@ class _Judge:
             (lost[i], extra[j]) for i, j in align(other, unknown, times, KIND_WINDOW * self.period)
         ]
         for i, j in wrong:
-            self._fault(
-                "wrong kind", self.times[i], _event_text(case.events[i]), _event_text(found[j])
-            )
+            judged.note_kind(self.times[i], _event_text(case.events[i]), _event_text(found[j]))
         for i in sorted(set(lost) - {i for i, _ in wrong}):
-            self._fault("missed", self.times[i], _event_text(case.events[i]), "")
+            judged.note_missed(self.times[i], _event_text(case.events[i]))
         for j in sorted(set(extra) - {j for _, j in wrong}):
-            self._fault("invented", float(found[j].t), "", _event_text(found[j]))
+            judged.note_invented(float(found[j].t), _event_text(found[j]))
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
         """Return the events to judge one by one: all, or those of the last period if the case knows
@@ -243,19 +291,15 @@ class _Judge:
         begin = self.times[0] - WINDOW * self.period
         last = [event for event in events if event.t > begin]
         before = len(events) - len(last)
-        if before and before != uncompared:
-            missed = before < uncompared
-            number = abs(before - uncompared)
-            if number > 1:
-                what = f"{number} events"
-            else:
-                what = "an event"
-            self._fault(
-                "missed" if missed else "invented",
-                begin,
-                *((what, "") if missed else ("", what)),
-                number,
-            )
+        number = abs(before - uncompared)
+        if number > 1:
+            text = f"{number} events"
+        else:
+            text = "an event"
+        if 0 < before < uncompared:
+            self.judged.note_missed(begin, text, number)
+        elif before > uncompared:
+            self.judged.note_invented(begin, text, number)
         return last
 
     def _boundary(self, event: GivenEvent) -> int:
@@ -300,7 +344,7 @@ class _Judge:
         if late:
             error, limit = max(late)
             what = f"{_event_text(known)}, error {error:.1e}, allowed {limit:.1e}"
-            self._fault("error", float(t), what, _event_text(event))
+            judged.note_error(float(t), what, _event_text(event))
 
     def _derivatives(self, i: int, event: GivenEvent) -> None:
         """Judge the derivatives that a solver gives of the case's event i, where the case has them
@@ -333,11 +377,6 @@ class _Judge:
                 f"{worst[1]} of {_event_text(known)}, error {worst[0]:.1e}, allowed {allowed:.1e}"
             )
             judged.wrong.append(Wrong("derivative", self.times[i], what, ""))
-
-    def _fault(self, fault: str, t: float, wanted: str, found: str, count: int = 1) -> None:
-        name = {"wrong kind": "kinds", "error": "late"}.get(fault, fault)
-        setattr(self.judged, name, getattr(self.judged, name) + count)
-        self.judged.wrong.append(Wrong(fault, t, wanted, found))
 
 
 def align(
@@ -432,31 +471,17 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
             group_cell([case for case in score.cases if case.group == group]) for score in scores
         ]
         rows.append([group, str(len(cases)), *columns])
-    totals = [
-        f"{sum(case.right for case in score.cases)} of {len(score.cases)}" for score in scores
-    ]
-    rows.append(["all", str(len(scores[0].cases)), *totals])
-
-    def total(score: Score, name: str) -> int:
-        return sum(getattr(case, name) for case in score.given)
-
-    counts = {
-        "events missed": "missed",
-        "events invented": "invented",
-        "wrong kinds": "kinds",
-        "large errors": "late",
-    }
-    rows += [
-        [title, "", *(str(total(score, name)) for score in scores)]
-        for title, name in counts.items()
-    ]
-    if any(total(score, "derivatives") for score in scores):
-        wrong = [
-            f"{total(score, 'wrong_derivatives'):,} of {total(score, 'derivatives'):,}"
-            for score in scores
-        ]
+    right = [f"{sum(case.right for case in score.cases)} of {len(score.cases)}" for score in scores]
+    rows.append(["all", str(len(scores[0].cases)), *right])
+    totals = [Totals.of(score) for score in scores]
+    rows.append(["events missed", "", *(str(total.missed) for total in totals)])
+    rows.append(["events invented", "", *(str(total.invented) for total in totals)])
+    rows.append(["wrong kinds", "", *(str(total.kinds) for total in totals)])
+    rows.append(["large errors", "", *(str(total.late) for total in totals)])
+    if any(total.derivatives for total in totals):
+        wrong = [f"{total.wrong_derivatives:,} of {total.derivatives:,}" for total in totals]
         rows.append(["wrong derivatives", "", *wrong])
-    grazes = [f"{total(score, 'grazes_found')} of {total(score, 'grazes')}" for score in scores]
+    grazes = [f"{total.grazes_found} of {total.grazes}" for total in totals]
     rows.append(["grazes reported", "", *grazes])
     times = [[case.seconds for case in score.given if case.seconds is not None] for score in scores]
     if any(times):

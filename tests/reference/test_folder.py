@@ -327,7 +327,9 @@ HOSTILE = {
     "{": "cannot be read: Expecting",
     "[" * 100_000: "its brackets are nested too deeply",
     '{"one": {"events": [{"t": 1e400, "kind": "stick"}]}}': "t = '1e400': must be at most 1e+50",
-    '{"one": {"events": [{"t": ' + "9" * 5000 + ', "kind": "stick"}]}}': "may have at most 4000 characters",
+    '{"one": {"events": [{"t": '
+    + "9" * 5000
+    + ', "kind": "stick"}]}}': "may have at most 4000 characters",
     '{"one": {"events": [{"t": true, "kind": "stick"}]}}': "t = True",
     '{"one": {"events": [{"t": NaN, "kind": "stick"}]}}': "t = 'NaN': must be finite",
     '{"one": {"events": [{"t": 1, "kind": ["stick"]}]}}': "kind is",
