@@ -21,6 +21,9 @@ from fractions import Fraction
 from math import ceil, floor
 from typing import Any, NamedTuple
 
+from flint import arb, ctx
+
+import symosc.certificates.verify as verify
 from symosc.analysis.sensitivities import sensitivities
 from symosc.base.aliases import Number, Record
 from symosc.base.exact import power_of_ten, show
@@ -67,6 +70,8 @@ MOST_NEWTON = 60
 SETTLED_DIGITS = 90
 #: Decimal places of the box.
 BOX_PLACES = 60
+#: Bits with which the checker is asked how wide its sets are.
+CHECKED_BITS = (256, 512, 1024)
 #: How many events a motion may take to come near the orbit, tried one after another; how near that
 #: is (of t, and of x).
 MOST_EVENTS_BEFORE = (50, 400, 2000)
@@ -84,11 +89,11 @@ Interval = tuple[Fraction, Fraction]
 
 
 class Open(Exception):
-    """Raised if nothing can be proposed: `what` is undecided, after the events of `run`."""
+    """Raised if not all can be proposed: `what` is undecided, after the events of a `statement`."""
 
-    def __init__(self, what: str, run: Trajectory | None = None) -> None:
+    def __init__(self, what: str, statement: Record | None = None) -> None:
         self.what = what
-        self.run = run
+        self.statement = statement
         super().__init__(what)
 
 
@@ -119,9 +124,10 @@ class ToProve(NamedTuple):
 
         `changes` replaces numbers of the start, t_end and start_error.
         """
-        about = dict(zip(STARTS, self.start, strict=True)) | {"t_end": self.t_end}
+        about: dict[str, Any] = dict(zip(STARTS, self.start, strict=True))
+        about["t_end"] = self.t_end
         if not self.exact:
-            about["start_error"] = list(self.errors)  # type: ignore[assignment]
+            about["start_error"] = list(self.errors)
         return simulate(self.p, digits=digits, max_events=most, **(about | changes))
 
 
@@ -199,28 +205,81 @@ def certify_motion(task: ToProve) -> Certificate:
             message = certificate.message
     except Open as undecided:
         message = undecided.what
-        if undecided.run is not None:
-            rows = [row_of(event, EXACT_ROW, task.digits) for event in undecided.run.events]
-            statement = about(task, undecided.run, rows)
-    if "events" not in statement:
-        return stated("trajectory", False, message, statement)
-    return _proven_part(statement, message)
+        statement = undecided.statement or statement
+    rows = []
+    if "events" in statement:
+        rows = statement["events"][: len(enclosed(statement)[0])]
+    kept = {
+        key: value
+        for key, value in statement.items()
+        if key not in ("wrt", "derivatives", "free", "starts")
+    }
+    kept |= {"starts": "all", "events": rows}
+    text = f"{message}, after {len(rows)} event{'' if len(rows) == 1 else 's'}"
+    return stated("trajectory", False, text, kept)
 
 
 def _statements(task: ToProve) -> Iterator[Record]:
     """Yield the contents of one file after another, each with finer or wider enclosures."""
-    touches = False
-    if not task.exact:
-        touches = any(event.kind == "graze" for event in _followed(task, task.digits).events)
-    if touches:
-        yield from _touching(task)
-    elif task.exact:
+    if task.exact:
         for finer in FINER:
             yield _exact_statement(task, finer)
-    else:
-        run = _followed(task, task.digits)
-        for wider in WIDER:
-            yield about(task, run, [row_of(event, wider, task.digits) for event in run.events])
+        return
+    run = _followed(task, task.digits)
+    if any(event.kind == "graze" for event in run.events):
+        yield from _touching(task, run)
+        return
+    # The estimates of the engine are of first order. The checker's sets are wider, and it says how
+    # wide they are.
+    statement = about(task, run, [row_of(event, WIDER[0], task.digits) for event in run.events])
+    sets, reason = enclosed(statement)
+    rows = statement["events"][: len(sets)]
+    for row, ends in zip(rows, sets, strict=True):
+        for name, pair in zip("tx", ends, strict=True):
+            row[name] = known(pair, task.digits)
+    statement["events"] = rows
+    if reason:
+        raise Open(f"not confirmed by the checker: not proven: {reason}", statement)
+    yield statement
+
+
+def enclosed(statement: Record) -> tuple[list[tuple[Interval, Interval]], str]:
+    """Return how the checker encloses t and x of each event of a file, and why it stops.
+
+    It is "" if the checker follows the motion up to t_end.
+    """
+    # Nothing rests on it: the file is proven as a whole.
+    source = {key: value for key, value in statement.items() if key in verify.MOTION}
+    data = verify.read(source, verify.MOTION, "trajectory")
+    start = [data["start"][name] for name in STARTS]
+    found: list[tuple[Interval, Interval]] = []
+    reason = ""
+    for bits in CHECKED_BITS:
+        found = []
+        limits = verify.LIMITS | {"left": verify.LIMITS["steps"]}
+        with verify.LOCK, ctx.workprec(bits):
+            try:
+                problem = verify.Problem(data["parameters"], limits)
+                motion = verify.begin(problem, start, data["start_error"], [])
+                for row in data["events"]:
+                    motion = motion.after_event(row)
+                    found.append((ends_of(motion.t), ends_of(motion.x)))
+                motion.positive(arb(data["t_end"]).upper())
+            except verify.Stop as stop:
+                reason = stop.args[1]
+                if stop.args[0] == verify.OPEN:
+                    continue
+                return found, reason
+            return found, ""
+    return found, reason
+
+
+def ends_of(ball: Any) -> Interval:
+    """Return both ends of a ball as exact fractions."""
+    middle, radius = (
+        Fraction(int(part.p), int(part.q)) for part in (ball.mid().fmpq(), ball.rad().fmpq())
+    )
+    return middle - radius, middle + radius
 
 
 def _followed(task: ToProve, digits: int, most: int | None = None, **changes: Any) -> Trajectory:
@@ -232,12 +291,16 @@ def _followed(task: ToProve, digits: int, most: int | None = None, **changes: An
         run = task.run(working, most, **changes)
     if run.status == "undecidable":
         near = f"{float(run.t_end):.15g}"
-        raise Open(
-            f"a touch or a near miss near t = {near} is not decided in {working} digits", run
-        )
+        raise open_after(task, run, f"a touch or a near miss near t = {near}", working)
     if run.status == "max_events" and most is None:
         raise Open(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
     return run
+
+
+def open_after(task: ToProve, run: Trajectory, what: str, digits: int) -> Open:
+    """Return the exception that says what so many digits do not decide, with the events of `run`."""
+    rows = [row_of(event, EXACT_ROW, task.digits) for event in run.events]
+    return Open(f"{what} is not decided with {digits} digits", about(task, run, rows))
 
 
 def _exact_statement(task: ToProve, finer: int) -> Record:
@@ -301,40 +364,6 @@ def first_entries(task: ToProve, digits: int) -> Record:
     }
 
 
-# -- what is not proven ----------------------------------------------------------------------------
-
-
-def _proven_part(statement: Record, message: str) -> Certificate:
-    """Return a certificate with those events of a refused file that the checker proves.
-
-    Its `message` says what is open, and this adds after which event.
-    """
-    rows = statement["events"]
-    proven = 0
-    refused = len(rows) + 1
-    while refused - proven > 1:
-        count = (proven + refused) // 2
-        if _begins(statement, count):
-            proven = count
-        else:
-            refused = count
-    kept = {key: value for key, value in statement.items() if key not in ("wrt", "derivatives")}
-    count_text = f"{message}, after {proven} event{'' if proven == 1 else 's'}"
-    return stated("trajectory", False, count_text, kept | {"events": rows[:proven]})
-
-
-def _begins(statement: Record, count: int) -> bool:
-    """Return whether the checker proves that a motion begins with `count` events of a file."""
-    rows = statement["events"]
-    low, high = map(Fraction, rows[count - 1]["t"])
-    end = 2 * high - low
-    if count < len(rows):
-        end = (high + Fraction(rows[count]["t"][0])) / 2
-    kept = {key: value for key, value in statement.items() if key not in ("wrt", "derivatives")}
-    kept |= {"events": rows[:count], "t_end": f"{end.numerator}/{end.denominator}"}
-    return confirmed("trajectory", kept).proven
-
-
 # -- derivatives -----------------------------------------------------------------------------------
 
 
@@ -347,10 +376,10 @@ def _derivatives(task: ToProve, run: Trajectory) -> Record:
             where = "at resonance or where it is 0"
             if on_belt:
                 where = "of a start on a belt"
-            raise Open(f"a derivative by {name} {where} is not decided", run)
+            raise open_after(task, run, f"a derivative by {name} {where}", task.digits)
     if any(event.kind == "graze" for event in run.events):
-        raise Open("a derivative behind a graze is not decided", run)
-    start = dict(zip(STARTS, task.start, strict=True))
+        raise open_after(task, run, "a derivative behind a graze", task.digits)
+    start: dict[str, Any] = dict(zip(STARTS, task.start, strict=True))
     changes = sensitivities(
         task.p, task.wrt, **start, t_end=task.t_end, digits=task.digits + SPARE_DIGITS
     )
@@ -381,9 +410,8 @@ class Touch(NamedTuple):
     event: Event
 
 
-def _touching(task: ToProve) -> Iterator[Record]:
+def _touching(task: ToProve, run: Trajectory) -> Iterator[Record]:
     """Yield files that state a graze of one start within the error, and all events of it."""
-    run = _followed(task, task.digits)
     before = next(i for i, event in enumerate(run.events) if event.kind == "graze")
     name, place = next((name, place) for name, place in FREE if task.errors[place])
     touch = Touch(name, place, before, run.events[before])
@@ -394,16 +422,15 @@ def _touching(task: ToProve) -> Iterator[Record]:
     unit = Fraction(1, 10**places)
     low, high = (Fraction(floor(value / unit) + step) * unit for step in (-1, 2))
     if max(abs(low - given), abs(high - given)) > error:
-        raise Open(
-            "a touch that is further off than the error of the start is not decided near t = "
-            f"{float(run.events[before].t):.15g}",
-            run,
-        )
+        near = f"near t = {float(touch.event.t):.15g}"
+        what = f"a touch that is further off than the error of the start, {near},"
+        raise open_after(task, run, what, digits)
     errors = [Fraction(0)] * 3
     errors[place] = (high - low) / 2
-    one = task.run(digits, **{name: (low + high) / 2, "start_error": errors})
+    changes: dict[str, Any] = {name: (low + high) / 2, "start_error": errors}
+    one = task.run(digits, **changes)
     free = {"name": name, "low": show_decimal(low), "high": show_decimal(high)}
-    for wider in WIDER:
+    for wider in WIDER[::2]:
         rows = [row_of(event, wider, task.digits) for event in one.events]
         yield about(task, one, rows) | {"starts": "some", "free": free}
 
@@ -450,7 +477,7 @@ def _least_gap(
     start[touch.place] = value
     t, x, v = (number(each) for each in start)
     if touch.before:
-        changes = {touch.name: value, "start_error": 0}
+        changes: dict[str, Any] = {touch.name: value, "start_error": 0}
         event = task.run(digits, touch.before, **changes).events[touch.before - 1]
         t, x, v = (context.convert(each) for each in (event.t, event.x, event.v))
     mode = MODE_NUMBERS[touch.event.source]
@@ -559,10 +586,10 @@ class Cycle(NamedTuple):
     """
 
     place: int
-    middle: tuple[Fraction, Fraction]
-    widths: tuple[Fraction, Fraction]
+    middle: Sequence[Fraction]
+    widths: Sequence[Fraction]
     turns: int
-    reaches: list[tuple[Fraction, Fraction]]
+    reaches: Sequence[Sequence[Fraction]]
     q: float
 
 

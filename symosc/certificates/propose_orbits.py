@@ -73,14 +73,16 @@ BRANCH_DIGITS = 30
 BOX_MARGIN = Fraction(1, 10)
 BEND_MARGIN = Fraction(1, 3)
 LEAST_MARGIN = Fraction(1, 10**20)
-#: Steps that the checker may take for one interval of a branch, for each event of the orbit.
+#: Steps that the checker may take for one interval of a branch, and beside an end, for each event of
+#: the orbit.
 STEPS = 500
+STEPS_AT_END = 20_000
 #: How far `inside` and `outside` are from a branch's end, as a part of its value or of the range:
 #: the first one that is proven is stated.
 END_WIDTHS = (Fraction(1, 10**11), Fraction(1, 10**10), Fraction(1, 10**9))
 #: The first interval and the narrowest one, as parts of the range; how much wider the next one is.
 FIRST_WIDTH = Fraction(1, 50)
-LEAST_WIDTH = Fraction(1, 10**14)
+LEAST_WIDTH = Fraction(1, 10**13)
 GROWTH = Fraction(8, 5)
 MOST_BOXES = 100_000
 
@@ -186,7 +188,7 @@ def _multipliers(both: tuple[Number, Number]) -> list[Record]:
     parts = [(fraction(each.real), fraction(each.imag)) for each in both]
     (re, im), (re2, im2) = parts
     reach = NEARLY_DOUBLE
-    if (re2, im2) != (0, 0) and max(abs(re - re2), abs(im - im2)) < 2 * reach:
+    if any(parts[1]) and max(abs(re - re2), abs(im - im2)) < 2 * reach:
         # Real or complex: the checker may not be able to tell.
         middle = (re + re2) / 2
         row = {"re": decimals((middle - reach, middle + reach)), "im": decimals((-reach, reach))}
@@ -196,7 +198,7 @@ def _multipliers(both: tuple[Number, Number]) -> list[Record]:
 
 def decimals(ends: Interval) -> list[str]:
     """Return an enclosure of a part of a multiplier as decimals; exactly 0 as such."""
-    if ends == (0, 0):
+    if not any(ends):
         return ["0", "0"]
     return outward(ends, MULTIPLIER_PLACES)
 
@@ -260,10 +262,10 @@ def _box(three: Sequence[Fraction]) -> Interval:
     middle.
     """
     first, middle, last = three
-    low = min(three)
-    high = max(three)
+    low: Fraction = min(three)
+    high: Fraction = max(three)
     spare = BOX_MARGIN * (high - low) + BEND_MARGIN * abs(first - 2 * middle + last)
-    spare += LEAST_MARGIN * max(1, abs(low), abs(high))
+    spare += LEAST_MARGIN * max(Fraction(1), abs(low), abs(high))
     return low - spare, high + spare
 
 
@@ -358,46 +360,17 @@ class BranchProposal:
         self, stable: bool | None, progress: Callable[[float], None] | None
     ) -> Certificate:
         """Return the certificate, or raise Open."""
-        reason = "which inequality fails beyond its ends"
-        for width in END_WIDTHS:
-            insides = [
-                self._inside(end, side, width) for end, side in zip(self.ends, (-1, 1), strict=True)
-            ]
-            if stable is not None and not self._covered(insides, stable, progress):
-                stable = None
-            if stable is None:
-                self._cover(insides, None, progress)
-            rows = [each.row() for each in self.families]
-            ends = []
-            for end, side, inside, row in zip(
-                self.ends, (-1, 1), insides, (rows[0], rows[-1]), strict=True
-            ):
-                found = self._end(end, side, inside, width, row, stable)
-                if found is None:
-                    reason = (
-                        f"which inequality fails beyond the {end.kind} at {self.name} = "
-                        f"{float(end.value):.12g}"
-                    )
-                    break
-                ends.append(found)
-            if len(ends) == len(self.ends):
-                return confirmed("branch", self._statement(rows, ends, stable))
-        raise Open(reason)
+        ends = [self._end(end, side) for end, side in zip(self.ends, (-1, 1), strict=True)]
+        low, high = (Fraction(end["inside"]) for end in ends)
+        stable = self._cover(low, high, stable, progress)
+        rows = [each.row() for each in self.families]
+        return confirmed("branch", self._statement(rows, ends, stable, self.families[0]))
 
-    def _inside(self, end: BranchEnd, side: int, width: Fraction) -> tuple[Fraction, Fraction]:
-        """Return the values just inside and just outside of the branch's lower (`side` -1) or upper
-        (1) end.
-        """
-        if end.kind == RANGE:
-            return end.value, end.value
-        span = self.ends[1].value - self.ends[0].value
-        unit = Fraction(10) ** floor(log10(width * max(abs(end.value), span)))
-        value = round(end.value / unit) * unit
-        return value - side * unit, value + side * unit
-
-    def _statement(self, rows: list[Record], ends: list[Record], stable: bool | None) -> Record:
-        """Return the contents of a file with these rows and ends."""
-        events = [what for what, _, _ in self.families[0].last.switchings(0)]
+    def _statement(
+        self, rows: list[Record], ends: list[Record], stable: bool | None, family: Family
+    ) -> Record:
+        """Return the contents of a file with these rows and ends; `family` is one of the rows."""
+        events = [what for what, _, _ in family.last.switchings(0)]
         return made_by(BRANCH_DIGITS) | {
             "parameters": self.p.as_dict(),
             "parameter": self.name,
@@ -410,40 +383,35 @@ class BranchProposal:
             "boxes": rows,
         }
 
-    def _refusal(
-        self, row: Record, ends: list[Record], stable: bool | None, family: Family | None = None
-    ) -> str:
-        """Return why the checker does not prove a branch of one row, or ""."""
-        kept = self.families
-        if family is not None:
-            self.families = [family]
-        statement = self._statement([row], ends, stable)
-        self.families = kept
+    def _refusal(self, family: Family, ends: dict[int, Record], stable: bool | None) -> str:
+        """Return why the checker does not prove a branch of one interval, or "".
+
+        `ends` has what is not the end of the interval, by its side.
+        """
+        both = [
+            ends.get(side, {"kind": RANGE, "inside": show(value), "outside": show(value)})
+            for side, value in ((-1, family.low), (1, family.high))
+        ]
+        statement = self._statement([family.row()], both, stable, family)
         whole = {"format": FORMAT, "kind": "branch", "proven": True} | statement
-        code, answer = judge(whole, steps=STEPS * len(self.word.labels))
+        steps = STEPS_AT_END if ends else STEPS
+        code, answer = judge(whole, steps=steps * len(self.word.labels))
         if code:
             return answer
         return ""
 
-    def _covered(self, *arguments: Any) -> bool:
-        """Return whether `_cover` succeeds."""
-        try:
-            self._cover(*arguments)
-        except Open:
-            return False
-        return True
-
     def _cover(
         self,
-        insides: Sequence[tuple[Fraction, Fraction]],
+        low: Fraction,
+        high: Fraction,
         stable: bool | None,
         progress: Callable[[float], None] | None,
-    ) -> None:
+    ) -> bool | None:
         """Find intervals from end to end, each of which the checker proves by itself, or raise
         Open.
+
+        Return whether all orbits are proven to be stable: `stable`, or None.
         """
-        low = insides[0][0]
-        high = insides[1][0]
         whole = high - low
         width = FIRST_WIDTH * whole
         at = low
@@ -456,20 +424,17 @@ class BranchProposal:
             reason = ""
             try:
                 family = self.family(at, end, near)
-                values = (at, end)
-                range_ends = [
-                    {"kind": RANGE, "inside": show(value), "outside": show(value)}
-                    for value in values
-                ]
-                reason = self._refusal(family.row(), range_ends, stable, family)
+                reason = self._refusal(family, {}, stable)
             except Open as undecided:
                 reason = undecided.what
             if reason:
                 width = (end - at) / 2
                 halved = True
-                if width < LEAST_WIDTH * whole:
-                    raise Open(reason)
-                continue
+                if width >= LEAST_WIDTH * whole:
+                    continue
+                if stable and not self._refusal(family, {}, None):
+                    return self._cover(low, high, None, progress)
+                raise Open(reason)
             self.families.append(family)
             if len(self.families) > MOST_BOXES:
                 raise Open(f"what comes after {MOST_BOXES} intervals")
@@ -482,42 +447,39 @@ class BranchProposal:
             near = family.last
             if progress:
                 progress(float((at - low) / whole))
+        return stable
 
-    def _end(
-        self,
-        end: BranchEnd,
-        side: int,
-        values: tuple[Fraction, Fraction],
-        width: Fraction,
-        row: Record,
-        stable: bool | None,
-    ) -> Record | None:
-        """Return the branch's lower (`side` -1) or upper (1) end as the checker proves it, beside
-        its `row`; None if it proves nothing that may fail there.
+    def _end(self, end: BranchEnd, side: int) -> Record:
+        """Return the branch's lower (`side` -1) or upper (1) end as the checker proves it, or raise
+        Open.
         """
-        inside, outside = values
-        if inside == outside:
-            return {"kind": RANGE, "inside": show(inside), "outside": show(inside)}
-        near = end.points
-        if side > 0:
-            near = self.families[-1].last.points
-        beyond = self.family(min(values), max(values), near)
-        last = beyond.last
-        if side < 0:
-            last = self.orbit(outside, near)
-        box = beyond.row()
-        inner = [row["value"][0], row["value"][1]]
-        for kind, text, t in broken(last):
-            found = {"kind": kind, "inside": show(inside), "outside": show(outside)}
-            found |= {"inequality": text, "at": show_decimal(Fraction(f"{float(t):.16g}"))}
-            found |= {"t": box["t"], "x": box["x"]}
-            other = inner[0] if side > 0 else inner[1]
-            ends = [found, {"kind": RANGE, "inside": other, "outside": other}]
-            if side > 0:
-                ends.reverse()
-            if not self._refusal(row, ends, stable):
-                return found
-        return None
+        if end.kind == RANGE:
+            return {"kind": RANGE, "inside": show(end.value), "outside": show(end.value)}
+        for width in END_WIDTHS:
+            span = self.ends[1].value - self.ends[0].value
+            unit = Fraction(10) ** floor(log10(width * max(abs(end.value), span)))
+            value = round(end.value / unit) * unit
+            inside = value - side * unit
+            outside = value + side * unit
+            within = self.orbit(inside, end.points)
+            # The interval inside of the end, beside which the checker proves it.
+            next_to_it = self._between(inside, inside - side * unit, within.points)
+            beyond = self._between(inside, outside, within.points)
+            last = self.orbit(outside, within.points)
+            box = beyond.row()
+            for kind, text, t in broken(last):
+                found = {"kind": kind, "inside": show(inside), "outside": show(outside)}
+                found |= {"inequality": text, "at": show_decimal(Fraction(f"{float(t):.16g}"))}
+                found |= {"t": box["t"], "x": box["x"]}
+                if not self._refusal(next_to_it, {side: found}, None):
+                    return found
+        raise Open(
+            f"which inequality fails beyond the {end.kind} at {self.name} = {float(end.value):.12g}"
+        )
+
+    def _between(self, value: Fraction, other: Fraction, near: Points) -> Family:
+        """Return the orbits between two values of the parameter, in either order."""
+        return self.family(min(value, other), max(value, other), near)
 
 
 def _values(orbit: OrbitInDigits) -> list[Fraction]:
