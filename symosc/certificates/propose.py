@@ -215,7 +215,9 @@ def certify_motion(task: ToProve) -> Certificate:
         if key not in ("wrt", "derivatives", "free", "starts")
     }
     kept |= {"starts": "all", "events": rows}
-    text = f"{message}, after {len(rows)} event{'' if len(rows) == 1 else 's'}"
+    since = Fraction(rows[-1]["t"][0]) if rows else task.start[0]
+    count = f"after {len(rows)} event{'' if len(rows) == 1 else 's'}"
+    text = f"{message}, {count}, from t = {float(since):.15g} on"
     return stated("trajectory", False, text, kept)
 
 

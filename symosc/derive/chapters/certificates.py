@@ -39,9 +39,10 @@ def items(scope: Scope) -> Items:
         r"contain every result "
         r"for numbers in the operands, rounding included; arb \cite{johansson2017} does so for "
         r"exponentials, sines and "
-        r"cosines with any number of bits. A sign is certain if a ball does not contain 0. A "
-        r"certificate is a list of "
-        r"such signs. What they prove is the subject of this chapter. \cite{tucker2011, "
+        r"cosines with any number of bits. A sign is certain if a ball does not contain 0. The "
+        r"engine only proposes: what it computes in many digits, with a radius. The checker proves a "
+        r"list of such signs and uses nothing of the engine. What they prove is the subject of this "
+        r"chapter. \cite{tucker2011, "
         r"neumaier1990}",
         r"\begin{theorem}[Krawczyk and Moore, \cite{krawczyk1969, "
         r"moore1977}]\label{thm:certificates-krawczyk} "
@@ -112,8 +113,7 @@ def items(scope: Scope) -> Items:
         r"integrate once or "
         r"twice.\end{proof}",
         r"Steps side by side, which are halved where none of the four holds, show where a piece "
-        r"ends first. This is "
-        r"how orbits are proven, and all motions once more by the checker. It takes "
+        r"ends first. This is how the checker proves motions and orbits. It takes "
         r"$g(a) + u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is "
         r"concave in $u$, so that its "
         r"ends decide; for the last step also the same backwards from its end. In a flight $u = "
@@ -154,7 +154,7 @@ def items(scope: Scope) -> Items:
         r"g/\partial s$ at that "
         r"time, since $\dot{g} = 0$ there. That has one sign, so there is only one "
         r"zero.\end{proof}",
-        r"The prover uses (i), the checker (ii). That there is no event before the interval is "
+        r"The checker uses (ii). That there is no event before the interval is "
         r"proven for all $s$ as "
         r"above. The start that touches is between $a$ and $b$, two fractions within the error "
         r"of the start; nothing "
@@ -190,7 +190,7 @@ def items(scope: Scope) -> Items:
         r"the passage and at "
         r"each onset of a stick the signs of Theorem~4, and if both forces hold during the whole "
         r"stick. All these are "
-        r"certain signs over the box. The checker proves the same orbit by "
+        r"certain signs over the box. The checker proves it by "
         r"Theorem~\ref{thm:certificates-newton}, for "
         r"the map from the first event to itself.",
         r"\begin{proposition}[stability from trace and determinant]\label{thm:certificates-stable} "
@@ -236,10 +236,8 @@ def items(scope: Scope) -> Items:
         r"box. The flow is made "
         r"of $\cosh w\tau$ and $\sinh(w\tau)/w$ with $w^2 = (c/2m)^2 - k/m$, entire functions of "
         r"$w^2$, so a branch "
-        r"may pass through critical damping. The checker proves the same with another form of "
-        r"the flow, with "
-        r"derivatives that are coefficients of power series, and with interval Newton in place "
-        r"of Krawczyk's operator.",
+        r"may pass through critical damping. The checker takes derivatives that are coefficients "
+        r"of power series, and interval Newton in place of Krawczyk's operator.",
         r"\begin{proposition}[the end of a branch]\label{thm:certificates-end} "
         r"Let one root be proven for every parameter value between $a$ and $b$, all inequalities "
         r"at $a$, and that one "
@@ -282,9 +280,9 @@ def items(scope: Scope) -> Items:
         r"q^n$.\end{proof}",
         r"So the last events of a motion of $10^5$ periods are known to as many digits as are "
         r"asked for: the orbit is "
-        r"enclosed by Theorem~\ref{thm:certificates-krawczyk}, and $2 q^n$ is added. The checker "
+        r"enclosed by Theorem~\ref{thm:certificates-newton}, and $2 q^n$ is added. The checker "
         r"follows $B$ once "
-        r"round with exponentials of matrices, and judges $q$ anew.",
+        r"round with exponentials of matrices.",
     )
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
@@ -323,7 +321,7 @@ def items(scope: Scope) -> Items:
         r"one with "
         r"$\cos\theta = 0$ \eqref{eq:certificates-fourth} decides, or, in the paper's order, "
         r"nothing does. The checker "
-        r"instead covers the circle outside the ends with intervals of certain sign, and shows "
+        r"covers the circle outside the ends with intervals of certain sign, and shows "
         r"that the derivative has "
         r"one sign at the ends.",
     )
