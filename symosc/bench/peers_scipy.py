@@ -25,7 +25,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from symosc.base.aliases import Record
-from symosc.bench import event_logic
 from symosc.bench.event_logic import (
     ATOL,
     STEPS_PER_PERIOD,
@@ -36,9 +35,9 @@ from symosc.bench.event_logic import (
     problem,
     runner,
     turn,
+    with_solver,
 )
 from symosc.bench.solvers import FoundEvent, Solver
-from symosc.kernels.rebind import bind
 from symosc.scenes import Scene
 
 #: As `ONE_STEP_OFFSET`, for methods of one step.
@@ -129,8 +128,7 @@ def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Iterato
     offset = INTEGRATOR_OFFSET
     if method == "LSODA":
         offset = max(offset, MULTISTEP_OFFSET * tolerance)
-    functions = bind((event_logic,), {"leave": leave_by(options)})
-    return runner(scene, functions, None, offset)
+    return runner(scene, with_solver(leave_by(options)), None, offset)
 
 
 TOLERANCES = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)

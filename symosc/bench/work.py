@@ -36,9 +36,9 @@ from symosc.bench.solvers import (
 )
 from symosc.bench.speed import floor_s
 from symosc.crosschecks.events import WINDOW
+from symosc.crosschecks.match import match_events
 from symosc.plot.drawing import STYLE
 from symosc.reference.case import relative_error
-from symosc.reference.score import align
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
@@ -295,25 +295,24 @@ def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -
     # Keys: error_t, error_x, error (the larger one; None if nothing can be compared), missed and
     # invented (numbers), missed_grazes (which do not count as missed), and first_wrong (the time of
     # the first missed or invented event).
-    given = list(found)
-    times = [float(event.t) for event in exact]
-    ordered = sorted(
-        (event for event in given if isfinite(event.t) and isfinite(event.x)),
-        key=lambda event: event.t,
-    )
-    pairs = align(ordered, exact, times, WINDOW * 2 * pi / float(scene.parameters.Omega))
-    unmatched = set(range(len(exact))) - {i for i, _ in pairs}
-    missed = [times[i] for i in unmatched if exact[i].kind != "graze"]
-    invented = [ordered[j].t for j in set(range(len(ordered))) - {j for _, j in pairs}]
-    of_t = [relative_error(ordered[j].t, exact[i].t, float(scene.t0)) for i, j in pairs]
-    of_x = [relative_error(ordered[j].x, exact[i].x) for i, j in pairs]
+    events = list(found)
+    finite = [event for event in events if isfinite(event.t) and isfinite(event.x)]
+    theirs = sorted(finite, key=lambda event: event.t)
+    matching = match_events(theirs, exact, WINDOW * 2 * pi / float(scene.parameters.Omega))
+    errors_t = []
+    errors_x = []
+    for j, i in matching.matched:
+        errors_t.append(relative_error(theirs[j].t, exact[i].t, float(scene.t0)))
+        errors_x.append(relative_error(theirs[j].x, exact[i].x))
+    missed = [float(exact[i].t) for i in matching.missed if exact[i].kind != "graze"]
+    invented = [theirs[j].t for j in matching.invented]
     return {
-        "error": max(of_t + of_x, default=None),
-        "error_t": max(of_t, default=None),
-        "error_x": max(of_x, default=None),
+        "error": max(errors_t + errors_x, default=None),
+        "error_t": max(errors_t, default=None),
+        "error_x": max(errors_x, default=None),
         "missed": len(missed),
-        "invented": len(given) - len(pairs),
-        "missed_grazes": len(unmatched) - len(missed),
+        "invented": len(events) - len(matching.matched),
+        "missed_grazes": len(matching.missed) - len(missed),
         "first_wrong": min(missed + invented, default=None),
     }
 

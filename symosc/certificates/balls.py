@@ -1,6 +1,4 @@
-"""Ball arithmetic: python-flint's arb, exact input, certain signs, decimals rounded outward.
-
-Sets of states.
+"""python-flint's balls for the boxes of an atlas: the oscillator, and signs along a motion.
 
 The working precision of arb is global to the process. `ctx.workprec` sets and restores it; nothing
 here may run in threads.
@@ -8,18 +6,17 @@ here may run in threads.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-from decimal import Decimal, localcontext
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
-from math import ceil, floor
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from symosc.base.errors import MissingExtraError
+from symosc.friction import NEIGHBOURS
+from symosc.model import Parameters, by_name
 
 try:
     from flint import __version__ as FLINT_VERSION
-    from flint import arb, fmpq
+    from flint import acb_series, arb, arb_mat, arb_series, fmpq
 except ImportError:
     raise MissingExtraError("certify", "certify") from None
 
@@ -33,48 +30,22 @@ if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < (
 
 #: A ball: an enclosure of a real number.
 Ball: TypeAlias = Any
-Matrix: TypeAlias = Sequence[Sequence[Ball]]
+Values: TypeAlias = list[Ball]
+#: A family counts as critically damped unless its frequency is at least so many times its error.
+ROUGH = 32
+#: First step, as a part of the flight; shortest step; how many there may be.
+FIRST_COURSE_STEP = 1 / 8
+SHORTEST_COURSE_STEP = 2.0**-60
+MOST_COURSE_STEPS = 4000
 
 
 class Undecided(Exception):
-    """Raised if balls cannot decide a sign.
-
-    A higher precision, or a smaller error of the start, may decide it.
-    """
-
-    # `near` is a time nearby. If a graze is possible, `graze` has the belt and the time after the
-    # start of the flight.
-
-    def __init__(
-        self, what: str, near: Ball | None = None, graze: tuple[int, Ball] | None = None
-    ) -> None:
-        self.what = what
-        self.near = near
-        self.graze = graze
-        super().__init__(what)
-
-    def place(self) -> str:
-        """Return the text " near t = ..." for a message; "" if no time is known."""
-        if self.near is None:
-            return ""
-        return f" near t = {self.near.mid().str(15, radius=False)}"
-
-
-def made_by(bits: int) -> dict[str, Any]:
-    """Return {"made_by": text}, the entry of a file that names symosc, the version of python-flint,
-    and the `bits`.
-    """
-    return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {bits} bits"}
+    """Raised if balls cannot decide a sign."""
 
 
 def ball(number: Fraction | int) -> Ball:
     """Return an enclosure of a rational number."""
     return arb(fmpq(number.numerator, number.denominator))
-
-
-def around(middle: Ball, radius: Ball) -> Ball:
-    """Return the ball of all numbers within `radius` of those in `middle`."""
-    return middle + arb(0, abs(radius).upper())
 
 
 def sure_sign(value: Ball) -> int:
@@ -86,112 +57,163 @@ def sure_sign(value: Ball) -> int:
     return 0
 
 
-def decided_sign(value: Ball, what: str, near: Ball | None = None) -> int:
-    """Return the sign that all numbers in a ball have; else raise Undecided with the text `what`
-    and time `near`.
+def coefficient(value: Ball, order: int = 0) -> Ball:
+    """Return the coefficient of a given `order` in a power series.
+
+    A ball counts as a constant series.
     """
-    sign = sure_sign(value)
-    if sign == 0:
-        raise Undecided(what, near)
-    return sign
+    if isinstance(value, arb_series):
+        return value[order]
+    if order:
+        return arb(0)
+    return value
 
 
-def size(value: Ball) -> float:
-    """Return a float near the largest absolute value in a ball, not a bound."""
-    return float(abs(value).upper())
+def entire_0f1(b: Ball, z: Ball) -> Ball:
+    """Return the hypergeometric function 0F1(b; z) of a real or complex ball or power series z."""
+    # 0F1(1/2; w^2/4) is cosh w, and 0F1(3/2; w^2/4) is sinh w/w, where w^2 may have any sign. The
+    # derivative is 0F1(b + 1; z)/b, which gives the Taylor series.
+    if not isinstance(z, arb_series | acb_series):
+        return z.hypgeom_0f1(b)
+    kind: Any = type(z)
+    change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
+    for j in range(z.prec):
+        total = total + factor * z[0].hypgeom_0f1(b + j)
+        factor = factor * change / ((b + j) * (j + 1))
+    return total
 
 
-def exact_ends(value: Ball) -> tuple[Fraction, Fraction]:
-    """Return the ends of a ball as exact fractions, from its middle and radius."""
-    middle, radius = (
-        Fraction(int(part.p), int(part.q)) for part in (value.mid().fmpq(), value.rad().fmpq())
-    )
-    return middle - radius, middle + radius
+class Oscillator:
+    """The constants of an oscillator as balls or, for a family, as wide balls or power series."""
 
+    # `ranges` replaces parameters of `p`. The first coefficient of a power series in a change of one
+    # parameter (arb_series) may be a ball.
 
-def outward(value: Ball, digits: int) -> tuple[str, str]:
-    """Return both ends of a ball as decimal texts, the lower one rounded down and the upper one up."""
-    # The ends are one unit of the last digit further apart than necessary, so that a checker can
-    # prove them whose ball is about as wide as this one.
-    low, high = exact_ends(value)
-    scale = max(abs(low), abs(high), Fraction(1))
-    unit = Fraction(10) ** (len(str(int(scale))) - digits)
-    return _decimal(floor(low / unit - 1) * unit), _decimal(ceil(high / unit + 1) * unit)
+    def __init__(self, p: Parameters, ranges: Mapping[str, Ball] | None = None) -> None:
+        b = by_name(p, ball) | dict(ranges or {})
+        self.p = p
+        self.B0 = b["B0"]
+        self.c = b["c"]
+        self.k = b["k"]
+        self.m = b["m"]
+        self.Omega = b["Omega"]
+        self.h = self.c / (2 * self.m)
+        self.cm = self.c / self.m
+        self.km = self.k / self.m
+        self.drive = self.B0 * self.Omega / self.m
+        #: (c/2m)^2 - k/m, its sign (0 if undecided), and the root of its size: the damped frequency
+        #: or its twin.
+        self.kappa = self.h * self.h - self.km
+        self.damping = sure_sign(coefficient(self.kappa))
+        if not {"m", "c", "k"} & (ranges or {}).keys():
+            exact = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
+            self.damping = (exact > 0) - (exact < 0)
+            self.kappa = ball(exact)
+        self.omega_d = (self.kappa if self.damping >= 0 else -self.kappa).sqrt()
+        frequency = coefficient(self.omega_d)
+        if not frequency > ROUGH * frequency.rad():  # it is critical, or nearly so in the family
+            self.damping = 0
+        if self.damping > 0:
+            self.fast = -(self.h + self.omega_d)
+            self.slow = self.km / self.fast
+        friction = {1: b["mu1"] + b["mu2"], 2: b["mu2"] - b["mu1"], 3: -b["mu1"] - b["mu2"]}
+        self.A = {domain: b["A0"] + part * b["FN"] for domain, part in friction.items()}
+        self.speed = {1: b["v1"], 2: b["v2"]}
+        #: The jump of the acceleration at each belt, F^(below) - F^(above).
+        self.jump = {boundary: 2 * b[f"mu{boundary}"] * b["FN"] / self.m for boundary in (1, 2)}
 
-
-def _decimal(exact: Fraction) -> str:
-    """Return a fraction that is a finite decimal as text, with all digits."""
-    with localcontext(prec=len(str(abs(exact.numerator))) + len(str(exact.denominator)) + 5):
-        return format(Decimal(exact.numerator) / Decimal(exact.denominator), "f")
-
-
-@dataclass(frozen=True)
-class StateSet:
-    """A set of states: all sums ``centre + matrix y``, where the vector y is anywhere in `box`.
-
-    Centre and matrix are exact. The box has a ball around 0 for each component of y.
-    """
-
-    # The image of a map with the value f at the centre and the Jacobian J over the whole set lies
-    # in f + (J matrix) y (mean value theorem). It is turned into an orthogonal frame along its
-    # longest side (Lohner's QR), in which the box stays small where the map contracts: sets do not
-    # grow by being put into boxes. `slopes` are the derivatives by the coordinates of the box with
-    # which the set began, over the whole set.
-
-    centre: Sequence[Ball]
-    matrix: Matrix
-    box: Sequence[Ball]
-    slopes: Matrix = field(default=(), compare=False)
-
-    @classmethod
-    def of(cls, values: Sequence[Ball]) -> StateSet:
-        """Return the set of all states within the given balls: a box along the axes."""
-        count = len(values)
-        unit = [[arb(int(i == j)) for j in range(count)] for i in range(count)]
-        return cls(
-            [value.mid() for value in values], unit, [value - value.mid() for value in values], unit
-        )
-
-    @property
-    def thin(self) -> bool:
-        """Whether the set is a single point."""
-        return all(y.is_zero() for y in self.box)
-
-    def hull(self) -> list[Ball]:
-        """Return the smallest box around the set, up to rounding."""
-        return [c + _dot(row, self.box) for c, row in zip(self.centre, self.matrix, strict=True)]
-
-    def image(self, value: Sequence[Ball], jacobian: Matrix) -> StateSet:
-        """Return a set that contains the image under a map, by its `value` at the centre and
-        `jacobian` over all.
+    def entire(self, tau: Ball) -> tuple[Ball, Ball, Ball]:
+        """Return E, E' and phi = E' + (c/m) E at the time `tau`: E is the free motion with E(0) = 0
+        and E'(0) = 1.
         """
-        carried, slopes = (
-            [[_dot(row, column) for column in zip(*each, strict=True)] for row in jacobian]
-            for each in (self.matrix, self.slopes)
-        )
-        centre = [each.mid() for each in value]
-        rest = [each - c for each, c in zip(value, centre, strict=True)]
-        p, q = _direction(carried, self.box)
-        box = []
-        for row in ([p, q], [-q, p]):  # the inverse of the frame, times the square of its length
-            turned = [_dot(row, column) for column in zip(*carried, strict=True)]
-            box.append((_dot(turned, self.box) + _dot(row, rest)) / (p * p + q * q))
-        return StateSet(centre, [[p, -q], [q, p]], box, slopes)
+        if self.damping > 0:
+            fast = (self.fast * tau).exp()
+            slow = (self.slow * tau).exp()
+            width = 2 * self.omega_d
+            E = (slow - fast) / width
+            E1 = (self.slow * slow - self.fast * fast) / width
+        else:
+            decay = (-self.h * tau).exp()
+            if self.damping == 0:
+                z = self.kappa * tau * tau / 4
+                E = decay * tau * entire_0f1(arb(1.5), z)
+                E1 = decay * entire_0f1(arb(0.5), z) - self.h * E
+            else:
+                s, c = (self.omega_d * tau).sin_cos()
+                E = decay * s / self.omega_d
+                E1 = decay * c - self.h * E
+        return E, E1, E1 + self.cm * E
 
 
-def _dot(row: Sequence[Ball], column: Sequence[Ball]) -> Ball:
-    """Return the scalar product of a row and a column."""
-    return sum((a * b for a, b in zip(row, column, strict=True)), arb(0))
-
-
-def _direction(carried: Matrix, box: Sequence[Ball]) -> tuple[Ball, Ball]:
-    """Return a vector of two exact balls along the longest side of the parallelogram `carried` y, y
-    in `box`.
+class Jet(NamedTuple):
+    """The value g of a function at a time tau after a start, with its first two derivatives dg and
+    ddg.
     """
-    sides = [(a.mid() * y.rad(), b.mid() * y.rad()) for a, b, y in zip(*carried, box, strict=True)]
-    a, b = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).mid())
-    length = (abs(a) + abs(b)).mid()
-    if length.is_zero():
-        return arb(1), arb(0)
-    p, q = (arb(float((each / length).mid())) for each in (a, b))
-    return p, q
+
+    tau: Ball
+    g: Ball
+    dg: Ball
+    ddg: Ball
+
+
+Curve = Callable[[Ball], Jet]
+
+
+class Margin(NamedTuple):
+    """A function of the time since a flight's start that must be > 0 during the flight."""
+
+    what: str
+    curve: Curve
+    at_start: int = 0  # 1 if g, 2 if g and g' are known to be 0 where the flight starts
+    at_end: bool = False  # whether g is known to be 0 where it ends
+
+
+def prove_positive(margin: Margin, span: Ball) -> None:
+    """Prove that a margin is > 0 from time 0 to any time in the ball `span`, or raise Undecided."""
+    # On a step one of these is enough, where g > 0 is known at its start: g > 0; g' > 0; g'' > 0 if it
+    # begins with a flight that leaves a stick; g' < 0 if it ends with the flight, where g = 0.
+    last = span.upper().mid()
+    begin = arb(0)
+    zeros = margin.at_start
+    if zeros == 0 and not margin.curve(begin).g > 0:
+        raise Undecided(f"{margin.what} at its start")
+    step = (last * FIRST_COURSE_STEP).mid()
+    for _ in range(MOST_COURSE_STEPS):
+        end = (begin + step).mid()
+        final = bool(end >= last)
+        over = begin.union(last if final else end)
+        whole = margin.curve(over)
+        there = margin.curve(over.mid())
+        off = over - over.mid()
+        slope = there.dg + whole.ddg * off
+        if final and margin.at_end:
+            sure = not zeros and slope < 0
+        else:
+            g = there.g + there.dg * off + whole.ddg * (off * off).nonnegative_part() / 2
+            sure = g > 0 or whole.g > 0 or slope > 0 or (zeros == 2 and whole.ddg > 0)
+        if sure and final:
+            return
+        if sure:
+            begin = end
+            zeros = 0
+            step = (step * 1.5).mid()
+        else:
+            step = (((last if final else end) - begin) / 2).mid()
+            if step <= last * SHORTEST_COURSE_STEP:
+                break
+    raise Undecided(margin.what)
+
+
+def belts_around(domain: int) -> list[int]:
+    """Return the belts that border a domain."""
+    return [boundary for boundary in (1, 2) if domain in NEIGHBOURS[boundary]]
+
+
+def unit_matrix(count: int) -> arb_mat:
+    """Return the unit matrix with `count` rows and columns."""
+    return arb_mat([[int(i == j) for j in range(count)] for i in range(count)])
+
+
+def column(values: Sequence[Ball]) -> arb_mat:
+    """Return a vector as a matrix with one column."""
+    return arb_mat([[value] for value in values])

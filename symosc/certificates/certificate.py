@@ -118,6 +118,15 @@ class Certificate(Drawable):
         )
 
 
+def made_by(digits: int) -> Record:
+    """Return {"made_by": text}, the entry of a file that names symosc, the version of python-flint,
+    and the `digits` in which the engine computed what is proposed.
+    """
+    from symosc.certificates.balls import FLINT_VERSION
+
+    return {"made_by": f"symosc, python-flint {FLINT_VERSION}, {digits} digits"}
+
+
 def stated(
     kind: str, proven: bool, message: str, statement: Record, points: tuple[Any, ...] = ()
 ) -> Certificate:

@@ -1,6 +1,6 @@
 """`certify`: the proof of a motion, an orbit, a branch or a window.
 
-The provers are loaded on demand.
+What proposes and proves is loaded on demand.
 
 `symosc.certify` therefore exists even without python-flint: `from symosc import *` and completion
 need no extra.
@@ -59,8 +59,8 @@ def certify(
     is proven to settle on an orbit (kind "settled") if its scene names the word of that orbit as
     its structure: from some event on, a cycle of events repeats.
 
-    The proof uses no simulation results; all arithmetic is ball arithmetic (python-flint) at the
-    precision required.
+    The engine proposes the enclosures: what it computes in many digits, with a radius. The checker
+    (`symosc verify`) proves them by ball arithmetic (python-flint) and uses nothing of the engine.
 
     Parameters
     ----------
@@ -134,22 +134,22 @@ def certify(
                 name, value, f"{name} applies to a scene only, not to a {type(what).__name__}"
             )
     if isinstance(what, PeriodicOrbit):
-        from symosc.certificates.orbit import certify_orbit
+        from symosc.certificates.propose_orbits import certify_orbit
 
         return certify_orbit(what.parameters, what.labels, what.periods, what.points)
     if isinstance(what, Branch):
-        from symosc.certificates.branch import prove_branch
+        from symosc.certificates.propose_orbits import certify_branch
 
-        return prove_branch(what, progress)
+        return certify_branch(what, progress)
     if isinstance(what, Atlas):
         if not what.boxes:
             return Certificate(
                 "atlas", False, "nothing is proven in it", statement=what.statement()
             )
         return confirmed("atlas", what.statement())
-    from symosc.certificates.window import prove_window
+    from symosc.certificates.propose_orbits import certify_window
 
-    return prove_window(what)
+    return certify_window(what)
 
 
 def _motion(
@@ -159,12 +159,12 @@ def _motion(
 
     Other arguments as in `certify`.
     """
-    from symosc.certificates.trajectory import (
+    from symosc.certificates.propose import (
         DIGITS,
         EXACT,
         ToProve,
-        prove_settled,
-        prove_trajectory,
+        certify_motion,
+        certify_settled,
     )
 
     if t_end is not None:
@@ -182,7 +182,7 @@ def _motion(
     # orbit of this word.
     if not wrt and scene.structure and scene.parameters.Omega * (scene.t_end - scene.t0) > 6000:
         with suppress(ConvergenceError):  # there is no such orbit
-            settled = prove_settled(task, find_orbit(scene.parameters, scene.structure))
+            settled = certify_settled(task, find_orbit(scene.parameters, scene.structure))
             if settled.proven:
                 return settled
-    return prove_trajectory(task)
+    return certify_motion(task)

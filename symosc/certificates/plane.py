@@ -1,17 +1,17 @@
 """A box of two parameters, proven: for all of its values one word has an orbit, which is the
 attracting motion.
 
-The equations are those of `symosc.certificates.orbit` with as few unknowns as possible: of each
-flight its phase at the start, its duration, and its position if it starts with a crossing; where a
-stick ends, the force says the position. If oscillator and word are symmetric, half a period is
-enough: the rest is its mirror image.
+The closing equations of an orbit have as few unknowns as possible: of each flight its phase at the
+start, its duration, and its position if it starts with a crossing; where a stick ends, the force
+says the position. If oscillator and word are symmetric, half a period is enough: the rest is its
+mirror image.
 
 Let delta be the place in the box, each component in [-1, 1], and c(delta) a polynomial of degree 2
 near the surface of roots. By Taylor's theorem along the line from the middle f(c(delta), delta) is
 a polynomial of degree 2, all of whose coefficients are nearly 0, plus a cubic form with
 coefficients at another place of the box. The forms are found from exact directions, so that what
 cancels in them does so before the place is a ball. The Jacobian is that at the middle plus its
-change along both sides. The rest is Krawczyk's proof, as in `symosc.certificates.branch`.
+change along both sides. The rest is Krawczyk's proof.
 
 The inequalities of the word follow from a few numbers (`Flights.margins`), by Taylor's theorem of
 order 2:
@@ -44,10 +44,21 @@ from typing import NamedTuple
 
 from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 
-from symosc.certificates.balls import Ball, Undecided, ball
-from symosc.certificates.flow import Jet, Oscillator, coefficient, entire_0f1
-from symosc.certificates.motion import belts_around
-from symosc.certificates.orbit import Margin, Values, column, prove_positive, unit_matrix
+from symosc.certificates.balls import (
+    Ball,
+    Jet,
+    Margin,
+    Oscillator,
+    Undecided,
+    Values,
+    ball,
+    belts_around,
+    coefficient,
+    column,
+    entire_0f1,
+    prove_positive,
+    unit_matrix,
+)
 from symosc.model import Parameters, by_name
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
@@ -128,7 +139,7 @@ class Flown:
     """A flight of a word, followed for a time `tau`: x0 and a0 at its start; x, v and a at its end.
 
     The unknowns `u` of the orbit are balls or power series. E, E1 = E' and phi are the motions
-    without drive of `symosc.certificates.flow`. The response of v to the drive is the integral of
+    without drive of `symosc.certificates.balls`. The response of v to the drive is the integral of
     E(tau - s) sin(theta(s)) over s. If the motion is underdamped, let lambda = -c/2m + i omega_d,
     and let X(lambda) be the integral of exp(lambda (tau - s) + i Omega s) over s. The response to
     exp(i Omega s) is (X(lambda) - X(-c/2m - i omega_d))/(2 i omega_d). Near resonance X(lambda) is

@@ -1,5 +1,5 @@
-"""`symosc certify` and `symosc verify`: prove events, orbits, branches and windows, and prove them
-again.
+"""`symosc certify` and `symosc verify`: propose and prove events, orbits, branches and windows, and
+prove a file again.
 """
 
 from __future__ import annotations
@@ -37,8 +37,9 @@ def certify(scene: Text, settings: Settings, t_end: Text, path: Text, **asked: A
 
     Or prove its periodic orbit, a branch of such orbits up to its ends, or a grazing window. With
     --branch the structure is that of --orbit, or the scene's. The table rounds an enclosure to the
-    digits that both ends share. Proven is only what the checker, `symosc verify`, proves again by
-    other means. If anything stays open, one line says what, and the exit code is 1.
+    digits that both ends share. The engine proposes the bounds; proven is only what the checker,
+    `symosc verify`, proves by ball arithmetic. If anything stays open, one line says what, and the
+    exit code is 1.
 
     \b
     Examples:
@@ -124,8 +125,7 @@ def _print_certificate(certificate: symosc.Certificate) -> None:
 @option("--events N", "Most events and boxes. Default: 50,000.", type=options.WholeNumber(1))
 @option("--steps N", "Most steps of the proof. Default: 2,000,000.", type=options.WholeNumber(1))
 def verify(file: str, **limits: int | None) -> int:
-    """Prove a certificate file once more, by other means than `symosc certify`, and print what is
-    proven.
+    """Prove the file of a certificate again, and print what is proven.
 
     The checker is symosc/certificates/verify.py, with verify_orbits.py beside it for orbits,
     branches and atlases. They need python-flint and nothing of symosc: copy them, read them, and

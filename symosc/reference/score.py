@@ -9,20 +9,19 @@ has about the square of the condition of its event.
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from math import inf, isfinite, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from tabulate import tabulate
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact
-from symosc.crosschecks.events import RETURNS, WINDOW, in_order
-from symosc.reference.case import KnownEvent, ReferenceCase, relative_error
+from symosc.crosschecks.events import RETURNS, WINDOW
+from symosc.crosschecks.match import match_events
+from symosc.reference.case import ReferenceCase, relative_error
 from symosc.reference.results import CaseResult, GivenEvent, Results
 
 #: The error that an event may have.
@@ -50,12 +49,13 @@ class Wrong(NamedTuple):
         """Return the fault in words."""
         if self.fault == "ends early":
             return f"ends at t = {self.t:.10g}, before t_end = {self.wanted}"
-        said = {
-            "missed": self.wanted,
-            "invented": self.found,
-            "wrong kind": f"{self.found}, not {self.wanted}",
-        }
-        return f"{self.fault}: {said.get(self.fault, self.wanted)} at t = {self.t:.10g}"
+        if self.fault == "invented":
+            event = self.found
+        elif self.fault == "wrong kind":
+            event = f"{self.found}, not {self.wanted}"
+        else:
+            event = self.wanted
+        return f"{self.fault}: {event} at t = {self.t:.10g}"
 
 
 @dataclass
@@ -89,6 +89,26 @@ class CaseScore:
     note: str = ""
     wrong: list[Wrong] = field(default_factory=list)
 
+    def note_missed(self, t: float, wanted: str, count: int = 1) -> None:
+        """Note events of the reference that were not found, from the time t on."""
+        self.missed += count
+        self.wrong.append(Wrong("missed", t, wanted, ""))
+
+    def note_invented(self, t: float, found: str, count: int = 1) -> None:
+        """Note events that the reference does not have, from the time t on."""
+        self.invented += count
+        self.wrong.append(Wrong("invented", t, "", found))
+
+    def note_kind(self, t: float, wanted: str, found: str) -> None:
+        """Note an event of a wrong kind, or at another belt."""
+        self.kinds += 1
+        self.wrong.append(Wrong("wrong kind", t, wanted, found))
+
+    def note_error(self, t: float, wanted: str, found: str) -> None:
+        """Note an event with too large an error."""
+        self.late += 1
+        self.wrong.append(Wrong("error", t, wanted, found))
+
     @property
     def right(self) -> bool:
         """Whether the results are there and complete, with no fault."""
@@ -97,7 +117,7 @@ class CaseScore:
     def as_dict(self) -> Record:
         """Return plain data for JSON."""
         plain = {name: value for name, value in self.__dict__.items() if name != "wrong"}
-        return plain | {"right": self.right, "wrong": [each._asdict() for each in self.wrong]}
+        return plain | {"right": self.right, "wrong": [wrong._asdict() for wrong in self.wrong]}
 
 
 @dataclass
@@ -129,6 +149,35 @@ class Score:
         }
         about: Record = {"solver": self.name, "ok": self.ok, "tolerance": self.tolerance}
         return about | count | {"results": [case.as_dict() for case in self.cases]}
+
+
+@dataclass(frozen=True)
+class Totals:
+    """What a solver's results for all cases count up to."""
+
+    missed: int
+    invented: int
+    kinds: int
+    late: int
+    derivatives: int
+    wrong_derivatives: int
+    grazes: int
+    grazes_found: int
+
+    @classmethod
+    def of(cls, score: Score) -> Totals:
+        """Return the totals of a score."""
+        cases = score.given
+        return cls(
+            missed=sum(case.missed for case in cases),
+            invented=sum(case.invented for case in cases),
+            kinds=sum(case.kinds for case in cases),
+            late=sum(case.late for case in cases),
+            derivatives=sum(case.derivatives for case in cases),
+            wrong_derivatives=sum(case.wrong_derivatives for case in cases),
+            grazes=sum(case.grazes for case in cases),
+            grazes_found=sum(case.grazes_found for case in cases),
+        )
 
 
 def read_tolerance(value: object) -> float:
@@ -163,10 +212,7 @@ def judge_case(case: ReferenceCase, result: CaseResult | None, tolerance: float)
     )
     judged.known_derivatives = sum(2 * len(row) for row in regular)
     if result is None or result.note:
-        if result is None:
-            judged.note = ""
-        else:
-            judged.note = result.note
+        judged.note = "" if result is None else result.note
         return judged
     judged.seconds = result.seconds
     _Judge(case, judged, tolerance).judge(result.events)
@@ -181,6 +227,14 @@ def judge_case(case: ReferenceCase, result: CaseResult | None, tolerance: float)
     return judged
 
 
+class TimedEvent(NamedTuple):
+    """What the matcher sees of an event: its time, kind and belt."""
+
+    t: float
+    kind: str
+    boundary: int
+
+
 class _Judge:
     """Compares a solver's events with those of a case and writes errors and faults into the
     CaseScore `judged`.
@@ -190,7 +244,9 @@ class _Judge:
         self.case = case
         self.judged = judged
         self.tolerance = tolerance
-        self.times = [float(event.middle[0]) for event in case.events]
+        self.known = [
+            TimedEvent(float(event.middle[0]), event.kind, event.boundary) for event in case.events
+        ]
         self.period = 2 * pi / float(case.parameters.Omega)
 
     def judge(self, events: Sequence[GivenEvent]) -> None:
@@ -198,42 +254,54 @@ class _Judge:
 
         Note too large errors, and missed, invented and wrong events.
         """
-        case = self.case
-        found = self._of_last_period(events)
-        placed = [event._replace(boundary=self._boundary(event)) for event in found]
-        pairs = align(placed, case.events, self.times, WINDOW * self.period)
-        for i, j in pairs:
-            self._measure(i, found[j])
-        lost = sorted(set(range(len(case.events))) - {i for i, _ in pairs})
-        extra = sorted(set(range(len(found))) - {j for _, j in pairs})
-        # Solvers list a start on a belt, which is no event.
-        near = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(case.t0))
-        on_belt = case.v0 in (case.parameters.v1, case.parameters.v2)
-        if on_belt and extra and abs(float(found[extra[0]].t - case.t0)) <= near:
-            extra = extra[1:]
-        # A graze may be left out, or stand as two contacts.
-        reach = sqrt(self.tolerance) / float(case.parameters.Omega)
-        for i in [i for i in lost if case.events[i].kind == "graze"]:
-            lost.remove(i)
-            close = [j for j in extra if abs(float(found[j].t) - self.times[i]) <= reach]
-            belts = {found[j].boundary for j in close} <= {0, case.events[i].boundary}
-            if belts and tuple(found[j].kind for j in close) in RETURNS:
-                extra = [j for j in extra if j not in close]
+        compared = self._of_last_period(events)
+        theirs = [TimedEvent(float(event.t), event.kind, event.boundary) for event in compared]
+        matching = match_events(theirs, self.known, WINDOW * self.period)
+        for j, i in matching.matched:
+            self._measure(i, compared[j])
+        extra = self._without_start(compared, matching.invented)
+        lost, extra = self._without_grazes(theirs, matching.missed, extra)
         # The others that are together are of a wrong kind.
-        times = [self.times[i] for i in lost]
-        other = [found[j]._replace(kind="", boundary=0) for j in extra]
-        unknown = [GivenEvent(Fraction(0), None, "", 0)] * len(lost)
-        wrong = [
-            (lost[i], extra[j]) for i, j in align(other, unknown, times, KIND_WINDOW * self.period)
-        ]
-        for i, j in wrong:
-            self._fault(
-                "wrong kind", self.times[i], _event_text(case.events[i]), _event_text(found[j])
-            )
-        for i in sorted(set(lost) - {i for i, _ in wrong}):
-            self._fault("missed", self.times[i], _event_text(case.events[i]), "")
-        for j in sorted(set(extra) - {j for _, j in wrong}):
-            self._fault("invented", float(found[j].t), "", _event_text(found[j]))
+        of_any_kind = [theirs[j]._replace(kind="", boundary=0) for j in extra]
+        missing = [self.known[i] for i in lost]
+        rest = match_events(of_any_kind, missing, KIND_WINDOW * self.period)
+        for j, i in rest.matched:
+            wanted = missing[i]
+            self.judged.note_kind(wanted.t, _event_text(wanted), _event_text(theirs[extra[j]]))
+        for i in rest.missed:
+            self.judged.note_missed(missing[i].t, _event_text(missing[i]))
+        for j in rest.invented:
+            event = theirs[extra[j]]
+            self.judged.note_invented(event.t, _event_text(event))
+
+    def _without_start(self, events: Sequence[GivenEvent], extra: list[int]) -> list[int]:
+        """Return which extra events are left without that of a start on a belt: solvers list it,
+        but it is no event.
+        """
+        case = self.case
+        if not extra or case.v0 not in (case.parameters.v1, case.parameters.v2):
+            return extra
+        reach = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(case.t0))
+        if abs(float(events[extra[0]].t - case.t0)) <= reach:
+            return extra[1:]
+        return extra
+
+    def _without_grazes(
+        self, theirs: Sequence[TimedEvent], lost: list[int], extra: list[int]
+    ) -> tuple[list[int], list[int]]:
+        """Return which events are lost and which are extra if a graze may be left out, or stand as
+        two contacts.
+        """
+        reach = sqrt(self.tolerance) / float(self.case.parameters.Omega)
+        for i in lost:
+            graze = self.known[i]
+            if graze.kind != "graze":
+                continue
+            close = [j for j in extra if abs(theirs[j].t - graze.t) <= reach]
+            at_one_belt = {theirs[j].boundary for j in close} <= {0, graze.boundary}
+            if at_one_belt and tuple(theirs[j].kind for j in close) in RETURNS:
+                extra = [j for j in extra if j not in close]
+        return [i for i in lost if self.known[i].kind != "graze"], extra
 
     def _of_last_period(self, events: Sequence[GivenEvent]) -> Sequence[GivenEvent]:
         """Return the events to judge one by one: all, or those of the last period if the case knows
@@ -242,34 +310,19 @@ class _Judge:
         uncompared = self.case.count - len(self.case.events)
         if not uncompared:
             return events
-        begin = self.times[0] - WINDOW * self.period
+        begin = self.known[0].t - WINDOW * self.period
         last = [event for event in events if event.t > begin]
         before = len(events) - len(last)
-        if before and before != uncompared:
-            missed = before < uncompared
-            number = abs(before - uncompared)
-            if number > 1:
-                what = f"{number} events"
-            else:
-                what = "an event"
-            self._fault(
-                "missed" if missed else "invented",
-                begin,
-                *((what, "") if missed else ("", what)),
-                number,
-            )
+        number = abs(before - uncompared)
+        if number > 1:
+            text = f"{number} events"
+        else:
+            text = "an event"
+        if 0 < before < uncompared:
+            self.judged.note_missed(begin, text, number)
+        elif before > uncompared:
+            self.judged.note_invented(begin, text, number)
         return last
-
-    def _boundary(self, event: GivenEvent) -> int:
-        """Return the belt of a solver's event or, if not given, of the case's nearest event of the
-        same kind.
-        """
-        same = [i for i, known in enumerate(self.case.events) if known.kind == event.kind]
-        if event.boundary or not same:
-            return event.boundary
-        return self.case.events[
-            min(same, key=lambda i: abs(self.times[i] - float(event.t)))
-        ].boundary
 
     def _measure(self, i: int, event: GivenEvent) -> None:
         """Measure the errors of a solver's event against the case's event i.
@@ -279,94 +332,80 @@ class _Judge:
         known = self.case.events[i]
         judged = self.judged
         t, x = known.middle
-        errors = [relative_error(event.t, t, self.case.t0)]
+        error_t = relative_error(event.t, t, self.case.t0)
         if known.kind == "graze":
             judged.grazes_found += 1
-            allowed = [sqrt(self.tolerance)]
+            errors = [(error_t, sqrt(self.tolerance))]
         else:
             unit = max(1.0, self.case.conditions[i]) * ROUNDING_UNIT
-            of_clock = ROUNDING_UNIT * float(abs(t)) / max(1.0, float(t - self.case.t0))
-            units = [max(unit, of_clock), unit]
-            judged.error_t = max(judged.error_t or 0.0, errors[0])
+            unit_of_clock = ROUNDING_UNIT * float(abs(t)) / max(1.0, float(t - self.case.t0))
+            unit_t = max(unit, unit_of_clock)
+            errors = [(error_t, self._allowed(unit_t))]
+            judged.error_t = _larger(judged.error_t, error_t)
+            judged.units = _larger(judged.units, error_t / unit_t)
             if event.x is None:
                 judged.without_x += 1
             else:
-                errors.append(relative_error(event.x, x))
-                judged.error_x = max(judged.error_x or 0.0, errors[1])
-            judged.units = max(
-                judged.units or 0.0, *(e / u for e, u in zip(errors, units, strict=False))
-            )
-            allowed = [max(self.tolerance, UNITS_ALLOWED * each) for each in units]
-        self._derivatives(i, event)
-        late = [pair for pair in zip(errors, allowed, strict=False) if pair[0] > pair[1]]
-        if late:
-            error, limit = max(late)
-            what = f"{_event_text(known)}, error {error:.1e}, allowed {limit:.1e}"
-            self._fault("error", float(t), what, _event_text(event))
+                error_x = relative_error(event.x, x)
+                errors.append((error_x, self._allowed(unit)))
+                judged.error_x = _larger(judged.error_x, error_x)
+                judged.units = _larger(judged.units, error_x / unit)
+        self._judge_derivatives(i, event)
+        too_large = [(error, allowed) for error, allowed in errors if error > allowed]
+        if too_large:
+            error, allowed = max(too_large)
+            text = _event_text(self.known[i])
+            wanted = f"{text}, error {error:.1e}, allowed {allowed:.1e}"
+            judged.note_error(float(t), wanted, _event_text(event))
 
-    def _derivatives(self, i: int, event: GivenEvent) -> None:
+    def _allowed(self, unit: float) -> float:
+        """Return the error that is allowed where the unit of errors is `unit`."""
+        return max(self.tolerance, UNITS_ALLOWED * unit)
+
+    def _judge_derivatives(self, i: int, event: GivenEvent) -> None:
         """Judge the derivatives that a solver gives of the case's event i, where the case has them
         too.
         """
-        judged = self.judged
-        known = self.case.events[i]
         condition = self.case.conditions[i]
-        allowed = max(self.tolerance, UNITS_ALLOWED * ROUNDING_UNIT * max(1.0, condition) ** 2)
+        if condition == inf:
+            return
+        judged = self.judged
+        x = float(self.case.events[i].middle[1])
+        allowed = self._allowed(ROUNDING_UNIT * max(1.0, condition) ** 2)
         worst = (0.0, "")
-        for name, change in self.case.derivatives[i].items() if condition < inf else ():
-            exact = float(change.dt[0]), float(change.dx[0])
-            for of, value in zip("tx", exact, strict=True):
-                found = event.changes.get(f"d{of}_{name}")
-                if found is None:
+        for name, change in self.case.derivatives[i].items():
+            dt = float(change.dt[0])
+            dx = float(change.dx[0])
+            scale_t = max(1.0, abs(dt))
+            scale_x = max(scale_t, abs(dx), abs(x))
+            for coordinate, exact, scale in (("t", dt, scale_t), ("x", dx, scale_x)):
+                given = event.changes.get(f"d{coordinate}_{name}")
+                if given is None:
                     continue
-                if of == "t":
-                    scale = max(1.0, abs(value))
-                else:
-                    scale = max(1.0, *map(abs, exact), abs(float(known.middle[1])))
-                error = abs(found - value) / scale
+                error = abs(given - exact) / scale
                 if not isfinite(error):
                     error = inf
                 judged.derivatives += 1
                 judged.wrong_derivatives += error > allowed
-                judged.error_d = max(judged.error_d or 0.0, error)
-                worst = max(worst, (error, f"d{of}/d{name}"))
-        if worst[0] > allowed:
-            what = (
-                f"{worst[1]} of {_event_text(known)}, error {worst[0]:.1e}, allowed {allowed:.1e}"
-            )
-            judged.wrong.append(Wrong("derivative", self.times[i], what, ""))
-
-    def _fault(self, fault: str, t: float, wanted: str, found: str, count: int = 1) -> None:
-        name = {"wrong kind": "kinds", "error": "late"}.get(fault, fault)
-        setattr(self.judged, name, getattr(self.judged, name) + count)
-        self.judged.wrong.append(Wrong(fault, t, wanted, found))
+                judged.error_d = _larger(judged.error_d, error)
+                worst = max(worst, (error, f"d{coordinate}/d{name}"))
+        error, derivative = worst
+        if error > allowed:
+            text = f"{derivative} of {_event_text(self.known[i])}"
+            wanted = f"{text}, error {error:.1e}, allowed {allowed:.1e}"
+            judged.wrong.append(Wrong("derivative", self.known[i].t, wanted, ""))
 
 
-def align(
-    found: Sequence[Any], reference: Sequence[Any], times: Sequence[float], window: float
-) -> list[tuple[int, int]]:
-    """Pair events of the same kind and belt, at most `window` apart in time.
-
-    Return pairs (reference, found).
-
-    There are as many pairs as possible and, among such choices, the times are nearest. `times` are
-    those of the reference.
-    """
-    # Those found are in order of time.
-    found_times = [float(event.t) for event in found]
-    pairs = []
-    for i, (event, time) in enumerate(zip(reference, times, strict=True)):
-        for j in range(
-            bisect_left(found_times, time - window), bisect_right(found_times, time + window)
-        ):
-            if (found[j].kind, found[j].boundary) == (event.kind, event.boundary):
-                pairs.append((i, j, abs(found_times[j] - time)))
-    return in_order(pairs)
+def _larger(largest: float | None, error: float) -> float:
+    """Return the larger of the largest error so far (None if there is none) and another one."""
+    return max(largest or 0.0, error)
 
 
-def _event_text(event: KnownEvent | GivenEvent) -> str:
+def _event_text(event: TimedEvent | GivenEvent) -> str:
     """Return an event as text, such as "stick at belt 1"."""
-    return f"{event.kind}{f' at belt {event.boundary}' if event.boundary else ''}"
+    if event.boundary:
+        return f"{event.kind} at belt {event.boundary}"
+    return event.kind
 
 
 def by_group(cases: Sequence[CaseScore]) -> Iterator[tuple[str, list[CaseScore]]]:
@@ -398,8 +437,10 @@ def case_cell(case: CaseScore) -> str:
     if case.stopped is not None:
         faults.append(f"ends at t = {case.stopped:g}")
     if not faults:
-        faults = [short_number(case.units) if case.units is not None else "right"]
-    return ", ".join(["no x"] * bool(case.without_x) + faults)
+        faults.append("right" if case.units is None else short_number(case.units))
+    if case.without_x:
+        faults.insert(0, "no x")
+    return ", ".join(faults)
 
 
 def group_cell(cases: Sequence[CaseScore]) -> str:
@@ -410,13 +451,14 @@ def group_cell(cases: Sequence[CaseScore]) -> str:
     right = [case for case in cases if case.right]
     if not given:
         return next((case.note for case in cases if case.note), NO_RESULT)
+    text = f"{len(right)} of {len(cases)}"
     units = [case.units for case in right if case.units is not None]
     if units:
-        largest = f": {short_number(max(units))}"
-    else:
-        largest = ""
+        text += f": {short_number(max(units))}"
     absent = len(cases) - len(given)
-    return f"{len(right)} of {len(cases)}{largest}{f' ({absent} without result)' if absent else ''}"
+    if absent:
+        text += f" ({absent} without result)"
+    return text
 
 
 def short_number(value: float) -> str:
@@ -434,37 +476,31 @@ def group_table(scores: Sequence[Score], form: str = "simple") -> str:
             group_cell([case for case in score.cases if case.group == group]) for score in scores
         ]
         rows.append([group, str(len(cases)), *columns])
-    totals = [
-        f"{sum(case.right for case in score.cases)} of {len(score.cases)}" for score in scores
-    ]
-    rows.append(["all", str(len(scores[0].cases)), *totals])
-
-    def total(score: Score, name: str) -> int:
-        return sum(getattr(case, name) for case in score.given)
-
-    counts = {
-        "events missed": "missed",
-        "events invented": "invented",
-        "wrong kinds": "kinds",
-        "large errors": "late",
-    }
-    rows += [
-        [title, "", *(str(total(score, name)) for score in scores)]
-        for title, name in counts.items()
-    ]
-    if any(total(score, "derivatives") for score in scores):
-        wrong = [
-            f"{total(score, 'wrong_derivatives'):,} of {total(score, 'derivatives'):,}"
-            for score in scores
-        ]
+    right = [f"{sum(case.right for case in score.cases)} of {len(score.cases)}" for score in scores]
+    rows.append(["all", str(len(scores[0].cases)), *right])
+    totals = [Totals.of(score) for score in scores]
+    rows.append(["events missed", "", *(str(total.missed) for total in totals)])
+    rows.append(["events invented", "", *(str(total.invented) for total in totals)])
+    rows.append(["wrong kinds", "", *(str(total.kinds) for total in totals)])
+    rows.append(["large errors", "", *(str(total.late) for total in totals)])
+    if any(total.derivatives for total in totals):
+        wrong = [f"{total.wrong_derivatives:,} of {total.derivatives:,}" for total in totals]
         rows.append(["wrong derivatives", "", *wrong])
-    grazes = [f"{total(score, 'grazes_found')} of {total(score, 'grazes')}" for score in scores]
+    grazes = [f"{total.grazes_found} of {total.grazes}" for total in totals]
     rows.append(["grazes reported", "", *grazes])
-    times = [[case.seconds for case in score.given if case.seconds is not None] for score in scores]
+    times = [_seconds_text(score) for score in scores]
     if any(times):
-        rows.append(["seconds", "", *(f"{sum(each):.3g}" if each else "" for each in times)])
+        rows.append(["seconds", "", *times])
     heads = ["group", "cases", *(score.name for score in scores)]
     return tabulate(rows, heads, tablefmt=form, disable_numparse=True)
+
+
+def _seconds_text(score: Score) -> str:
+    """Return the seconds that a solver took for all cases; "" if it does not say."""
+    seconds = [case.seconds for case in score.given if case.seconds is not None]
+    if seconds:
+        return f"{sum(seconds):.3g}"
+    return ""
 
 
 def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool = True) -> str:
@@ -473,33 +509,36 @@ def case_table(scores: Sequence[Score], form: str = "simple", with_absent: bool 
     A single solver's table also has its errors and seconds.
     """
     heads = ["case", "events", "condition", *(score.name for score in scores)]
-    rows = []
     alone = len(scores) == 1
-    for i, case in enumerate(scores[0].cases):
-        if not (
-            with_absent or any(score.cases[i].given or score.cases[i].note for score in scores)
-        ):
-            continue
-        row = [case.name, str(case.events), f"{case.condition:.0e}" if case.condition else ""]
-        row += [case_cell(score.cases[i]) for score in scores]
-        numbers = [
-            "" if value is None else f"{value:.0e}"
-            for value in (case.error_t, case.error_x, case.seconds)
-        ]
-        rows.append(row + numbers if alone else row)
     if alone:
         heads += ["error of t", "error of x", "seconds"]
+    rows = []
+    for cases in zip(*(score.cases for score in scores), strict=True):
+        if not with_absent and not any(case.given or case.note for case in cases):
+            continue
+        case = cases[0]
+        condition = one_digit(case.condition or None)
+        row = [case.name, str(case.events), condition, *map(case_cell, cases)]
+        if alone:
+            row += map(one_digit, (case.error_t, case.error_x, case.seconds))
+        rows.append(row)
     return tabulate(rows, heads, tablefmt=form, disable_numparse=True)
+
+
+def one_digit(value: float | None) -> str:
+    """Return a number with one digit, such as "3e-12"; "" for None."""
+    if value is None:
+        return ""
+    return f"{value:.0e}"
 
 
 def faults(score: Score) -> list[str]:
     """Return the faults of a solver as lines: the first 40, and how many more there are."""
-    found = [f"{case.name}: {wrong}" for case in score.given for wrong in case.wrong]
-    if len(found) > MOST_LISTED_FAULTS:
-        more = [f"and {len(found) - MOST_LISTED_FAULTS} more; --json has all"]
-    else:
-        more = []
-    return [*found[:MOST_LISTED_FAULTS], *more]
+    lines = [f"{case.name}: {wrong}" for case in score.given for wrong in case.wrong]
+    more = len(lines) - MOST_LISTED_FAULTS
+    if more > 0:
+        lines[MOST_LISTED_FAULTS:] = [f"and {more} more; --json has all"]
+    return lines
 
 
 def verdict(score: Score) -> str:
@@ -509,39 +548,42 @@ def verdict(score: Score) -> str:
     wrong = sum(bool(case.wrong) for case in given)
     half = len(given) - right - wrong
     absent = len(score.cases) - len(given)
-    parts = [f"right in {'all' if right == len(given) > 1 else f'{right} of'} {len(given)} cases"]
-    parts += [f"wrong in {wrong}"] * bool(wrong)
-    parts += [f"half judged in {half}, where x is not given"] * bool(half)
-    if absent:
-        rest = f"; {absent} case{'s' if absent > 1 else ''} without results"
+    if right == len(given) > 1:
+        parts = [f"right in all {right} cases"]
     else:
-        rest = ""
-    return f"{score.name}: {', '.join(parts)}{rest}"
+        parts = [f"right in {right} of {len(given)} cases"]
+    if wrong:
+        parts.append(f"wrong in {wrong}")
+    if half:
+        parts.append(f"half judged in {half}, where x is not given")
+    text = f"{score.name}: {', '.join(parts)}"
+    if absent == 1:
+        text += "; 1 case without results"
+    elif absent:
+        text += f"; {absent} cases without results"
+    return text
 
 
 def legend(score: Score) -> list[str]:
     """Return lines that explain the numbers of a score."""
     return [
         "Numbers: the largest error of time, relative to max(1, t - t0), and of position, "
-        "relative to max(1, |x|), in "
-        "units of max(1, condition) * 1e-16, which is what rounding the problem's numbers to "
-        "doubles does. 'right': "
-        "nothing happens in the case, and nothing is reported. 'no x': positions are not given, "
-        "and not judged.",
+        "relative to max(1, |x|), in units of max(1, condition) * 1e-16, which is what rounding "
+        "the problem's numbers to doubles does. 'right': nothing happens in the case, and nothing "
+        "is reported. 'no x': positions are not given, and not judged.",
         "A case is right if no event is missed, invented or of a wrong kind, and no error is "
-        f"above {score.tolerance:g}"
-        f" or {UNITS_ALLOWED:g} units, if that is more; every event has its x, and the case is "
-        "followed to its end. "
-        "Grazes that are not reported are no faults.",
+        f"above {score.tolerance:g} or {UNITS_ALLOWED:g} units, if that is more; every event has "
+        "its x, and the case is followed to its end. Grazes that are not reported are no faults.",
     ]
 
 
 def as_text(scores: Sequence[Score]) -> str:
     """Return the whole score as text for the terminal."""
-    found = [
-        [f"{score.name}, faults:", *(f"  {line}" for line in lines)]
-        for score in scores
-        if (lines := faults(score))
-    ]
-    parts = [case_table(scores, with_absent=False), group_table(scores), *map("\n".join, found)]
-    return "\n\n".join([*parts, "\n".join(legend(scores[0])), "\n".join(map(verdict, scores))])
+    parts = [case_table(scores, with_absent=False), group_table(scores)]
+    for score in scores:
+        lines = faults(score)
+        if lines:
+            indented = [f"  {line}" for line in lines]
+            parts.append("\n".join([f"{score.name}, faults:", *indented]))
+    parts += ["\n".join(legend(scores[0])), "\n".join(map(verdict, scores))]
+    return "\n\n".join(parts)

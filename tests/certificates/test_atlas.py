@@ -17,8 +17,7 @@ from samples import sample_of
 
 import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, atlas, certify, find_orbit
-from symosc.certificates.balls import ball
-from symosc.certificates.flow import Oscillator
+from symosc.certificates.balls import Oscillator, ball
 from symosc.certificates.verify_orbits import Flight, judge, marks
 from symosc.certificates.verify_orbits import Oscillator as InBalls
 from symosc.model import PARAMETER_NAMES, by_name

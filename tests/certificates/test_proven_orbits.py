@@ -12,14 +12,19 @@ from functools import cache
 
 import pytest
 from collect_orbits import collect, line
-from flint import arb
 from mpmath import mp
 from orbit_list import listed_orbits, prove_list
 
 from symosc import Parameters, certify, continue_orbit, find_orbit, grazing_window, load_scene
-from symosc.certificates.branch import BranchProver
-from symosc.certificates.orbit import certify_orbit
-from symosc.certificates.window import ALL_PHASES, BUT_ONE_PHASE, NO_PHASE, ON_AN_ARC
+from symosc.certificates.propose_orbits import (
+    ALL_PHASES,
+    BUT_ONE_PHASE,
+    NO_PHASE,
+    ON_AN_ARC,
+    BranchEnd,
+    BranchProposal,
+    certify_orbit,
+)
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 
@@ -102,7 +107,7 @@ def test_a_root_that_is_no_orbit_is_not_proven() -> None:
     assert not root.admissible
     proof = certify(root)
     assert not proof.proven
-    assert "F^(1) < 0 where P3 ends" in proof.message
+    assert "F^(2) > 0 where P2 crosses v1 (Theorem 5) fails" in proof.message
 
 
 @pytest.mark.parametrize("labels", [("P3", "P2"), ("P2", "P1"), ("P1", "P3"), ("P5", "P6")])
@@ -205,10 +210,11 @@ def test_an_end_that_is_put_elsewhere_is_not_proven() -> None:
     """P32 touches v2 at Omega = 5.0176, neither before nor after it."""
     scene = load_scene("fig9")
     orbit = find_orbit(scene.parameters.replace(Omega="5.01"), "P32")
-    points = [arb(float(each)) for point in orbit.points for each in point]
-    start = ("end of the range", Fraction("5.01"), points)
-    for end in (("grazing", Fraction("5.012"), points), ("grazing", Fraction("5.02"), points)):
-        found = BranchProver(scene.parameters, "Omega", orbit.labels, 1, (start, end)).certificate()
+    start = BranchEnd("end of the range", Fraction("5.01"), orbit.points)
+    for value in ("5.012", "5.02"):
+        end = BranchEnd("grazing", Fraction(value), orbit.points)
+        proposal = BranchProposal(scene.parameters, "Omega", orbit.labels, 1, (start, end))
+        found = proposal.certificate()
         assert not found.proven, end
         assert "not decided" in found.message
 

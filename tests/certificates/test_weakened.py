@@ -27,7 +27,7 @@ from mpmath import cos, expm, matrix, mpf, nstr, pi, sin, workdps
 import symosc.certificates.verify as verify
 import symosc.certificates.verify_orbits as verify_orbits
 from symosc import Parameters, Scene, certify, find_orbit, grazing_window, load_scene, sensitivities
-from symosc.certificates.orbit import certify_orbit
+from symosc.certificates.propose_orbits import certify_orbit
 
 
 def weakened(module: ModuleType, changes: tuple[tuple[str, str], ...]) -> Any:

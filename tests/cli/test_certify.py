@@ -20,7 +20,8 @@ def test_what_is_not_proven_is_one_line_and_exit_code_1(tmp_path: Path) -> None:
     result = run("certify", "fig10-orbit", "-o", str(path))
     assert result.exit_code == 1
     assert result.stderr.startswith(
-        "symosc: not proven: a force on the belt at the start near t = 0.44"
+        "symosc: not proven: not confirmed by the checker: not proven: F on the belt at the start, "
+        "after 0 events, from t = 0.44"
     )
     assert len(result.stderr.splitlines()) == 1
     assert run("verify", str(path)).exit_code == 1

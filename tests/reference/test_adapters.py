@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
-from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -59,26 +58,6 @@ def test_the_program_in_cpp(written: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_one_with_scipy(written: Path, tmp_path: Path) -> None:
     assert_good(judged(written, [sys.executable, str(ADAPTERS / "with_scipy.py")], tmp_path))
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(find_spec("heyoka") is None, reason="heyoka is not installed")
-def test_the_one_with_heyoka(written: Path, tmp_path: Path) -> None:
-    assert_good(judged(written, [sys.executable, str(ADAPTERS / "with_heyoka.py")], tmp_path))
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(shutil.which("octave-cli") is None, reason="GNU Octave is not installed")
-def test_the_one_with_octave(written: Path, tmp_path: Path) -> None:
-    """One short case: its ode45 takes seconds for each."""
-    short = tmp_path / "set"
-    shutil.copytree(written, short)
-    lines = (short / "cases.csv").read_text().splitlines()
-    (short / "cases.csv").write_text(
-        "\n".join([lines[0], *(line for line in lines if "paper-fig6" in line)]) + "\n"
-    )
-    found = judged(short, ["octave-cli", "--no-gui", str(ADAPTERS / "with_ode45.m")], tmp_path)
-    assert [case.name for case in found.cases if case.right] == ["paper-fig6"]
 
 
 def test_all_are_named_in_the_readme() -> None:

@@ -6,8 +6,6 @@ import random
 import re
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache
-from itertools import pairwise
 from math import inf, nan, pi, sqrt
 from pathlib import Path
 
@@ -15,7 +13,6 @@ import pytest
 from small_set import NAMES, right, small_set
 
 from symosc import ParameterError, simulate_many
-from symosc.bench.solvers import FoundEvent
 from symosc.reference.case import ReferenceCase, with_known
 from symosc.reference.results import CaseResult, GivenEvent, read_results
 from symosc.reference.score import (
@@ -24,7 +21,6 @@ from symosc.reference.score import (
     UNITS_ALLOWED,
     CaseScore,
     Score,
-    align,
     as_text,
     case_cell,
     judge_case,
@@ -321,46 +317,3 @@ def test_results_that_end_early_are_not_right() -> None:
 def test_a_tolerance_is_a_small_number(value: object) -> None:
     with pytest.raises(ParameterError, match="tolerance"):
         read_tolerance(value)
-
-
-# -- pairs of events ---------------------------------------------------------------------------------------------------
-
-
-def value_of_best(found: list[FoundEvent], reference: list[FoundEvent], window: float) -> float:
-    """Return the value of the best alignment by trying all."""
-
-    @lru_cache(None)
-    def best(i: int, j: int) -> float:
-        if i == len(reference) or j == len(found):
-            return 0.0
-        value = max(best(i + 1, j), best(i, j + 1))
-        return max(value, best(i + 1, j + 1) + worth(reference[i], found[j], window))
-
-    return best(0, 0)
-
-
-def worth(one: FoundEvent, other: FoundEvent, window: float) -> float:
-    if (one.kind, one.boundary) != (other.kind, other.boundary) or abs(one.t - other.t) > window:
-        return -1.0
-    return 1000.0 - abs(one.t - other.t)  # one more match is worth more than any distance
-
-
-def test_the_alignment_is_the_best_one() -> None:
-    rng = random.Random(6)
-
-    def some() -> list[FoundEvent]:
-        events = [
-            FoundEvent(rng.uniform(0, 3), 0.0, rng.choice(["stick", "slip"]), 1)
-            for _ in range(rng.randrange(9))
-        ]
-        return sorted(events)
-
-    for _ in range(500):
-        found = some()
-        reference = some()
-        window = rng.choice([0.1, 0.5, 2.0])
-        pairs = align(found, reference, [event.t for event in reference], window)  # type: ignore[arg-type]
-        assert all(i < k and j < m for (i, j), (k, m) in pairwise(pairs))
-        values = [worth(reference[i], found[j], window) for i, j in pairs]
-        assert all(value > 0 for value in values)
-        assert sum(values) == pytest.approx(value_of_best(found, reference, window))

@@ -2,19 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import partial
 from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
 from symosc import Parameters, Scene
-from symosc.friction import NEIGHBOURS
+from symosc.bench.event_logic import (
+    EVENT_KINDS,
+    PeerError,
+    Problem,
+    force,
+    margins,
+    problem,
+    start_mode,
+    with_solver,
+)
+from symosc.bench.peers_scipy import SIDES
 
 TIGHT = {"method": "DOP853", "rtol": 1e-11, "atol": 1e-12}
 # After a stick or a crossing the solver starts this far off the belt, or it would meet the belt at
 # once.
 OFF = 1e-12
+# Along a stick any step is accurate: without a limit it would grow past the end of the stick.
+LONGEST_STICK_STEP = 0.02
 
 
 @dataclass
@@ -37,6 +52,51 @@ class Run:
                     values.append(float(value))
 
 
+def piece(
+    options: dict[str, Any], q: Problem, mode: int, x: float, v: float, t_end: float
+) -> tuple[int, Any, Any, Any]:
+    """Follow a flight or stick by solve_ivp; return the side where it ends, and its samples."""
+
+    def margin(place: int, t: float, y: Any) -> float:
+        speed = y[1] if mode < 4 else v
+        return margins(q, mode, t, y[0], speed)[place]
+
+    ends: list[Any] = [partial(margin, int(side > 0)) for side in SIDES[mode]]
+    for end in ends:
+        end.terminal = True
+        end.direction = -1
+    if mode < 4:
+        solution = solve_ivp(
+            lambda t, y: [y[1], force(q, mode, t, *y)], (0.0, t_end), [x, v], events=ends, **options
+        )
+        speeds = solution.y[1]
+    else:
+        limited = {"max_step": LONGEST_STICK_STEP, **options}
+        solution = solve_ivp(lambda t, y: [v], (0.0, t_end), [x], events=ends, **limited)
+        speeds = np.full(len(solution.t), v)
+    side = 0
+    for exit_side, times in zip(SIDES[mode], solution.t_events, strict=True):
+        if len(times):
+            side = exit_side
+    return side, solution.t, solution.y[0], speeds
+
+
+def recording(run: Run, options: dict[str, Any]) -> Callable[..., tuple[int, float, float]]:
+    """Return the function `leave` of the event logic for solve_ivp, which adds samples to `run`."""
+    begin = run.t[0]
+
+    def leave(
+        q: Problem, settings: None, mode: int, t: float, x: float, v: float, t_end: float
+    ) -> tuple[int, float, float]:
+        nonlocal begin
+        side, times, places, speeds = piece(options, q, mode, x, v, t_end)
+        run.add(begin + times, places, speeds)
+        begin += float(times[-1])
+        return side, float(times[-1]), float(places[-1])
+
+    return leave
+
+
 def solve(
     scene: Scene,
     t_end: float,
@@ -45,96 +105,23 @@ def solve(
     **options: Any,
 ) -> Run:
     """Integrate a scene with solve_ivp and terminal events, the way a careful user of scipy would."""
-    p = scene.parameters
-    m, c, k, B0, Om = (float(value) for value in (p.m, p.c, p.k, p.B0, p.Omega))
-    A = {alpha: float(p.A((wrong_domain or {}).get(alpha, alpha))) for alpha in (1, 2, 3)}
-    speeds = {boundary: float(p.belt(boundary)) for boundary in (1, 2)}
-
-    def force(alpha: int, t: float, x: float, v: float) -> float:
-        return (A[alpha] + B0 * np.cos(Om * t) - k * x - c * v) / m
-
-    def wall(boundary: int, direction: int) -> Any:
-        def event(t: float, y: Any) -> float:
-            return y[1] - speeds[boundary]
-
-        event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
-        return event
-
-    def exit_into(alpha: int, direction: int, speed: float) -> Any:
-        def event(t: float, y: Any) -> float:
-            return force(alpha, t, y[0], speed)
-
-        event.terminal, event.direction = True, direction  # type: ignore[attr-defined]
-        return event
-
-    run = Run(joined=joined)
+    q = problem(scene.parameters, Fraction(scene.t0))
+    if wrong_domain:
+        forces = {1: q.A1, 2: q.A2, 3: q.A3}
+        A1, A2, A3 = (forces[wrong_domain.get(domain, domain)] for domain in forces)
+        q = q._replace(A1=A1, A2=A2, A3=A3)
     t = float(scene.t0)
     x = float(scene.x0)
     v = float(scene.v0)
-    at = next((boundary for boundary in (1, 2) if v == speeds[boundary]), 0)
-    domain = 1 + (v > speeds[1]) + (v > speeds[2])
-    source = 0  # the domain from which a belt was met; 0 at the start
-    while t < t_end:
-        if at:
-            below, above = NEIGHBOURS[at]
-            v = speeds[at]
-            run.add([t], [x], [v])
-            if force(below, t, x, v) > 0 > force(above, t, x, v):
-                if source:
-                    run.events.append((t, "stick"))
-                exits = [exit_into(below, -1, v), exit_into(above, 1, v)]
-                # Along a stick any step is accurate: without a limit it would grow past the end of
-                # the stick.
-                stick = solve_ivp(
-                    lambda t, y, v=v: [v],
-                    (t, t_end),
-                    [x],
-                    events=exits,
-                    **{"max_step": 0.02, **options},
-                )
-                run.add(stick.t, stick.y[0], np.full(len(stick.t), v))
-                t = float(stick.t[-1])
-                x = float(stick.y[0, -1])
-                if stick.status == 0:
-                    break
-                if len(stick.t_events[1]):
-                    domain = above
-                else:
-                    domain = below
-                run.events.append((t, "slip"))
-            else:
-                if force(above, t, x, v) > 0:
-                    domain = above
-                else:
-                    domain = below
-                if source:
-                    run.events.append((t, "cross"))
-            if domain == above:
-                v += OFF
-            else:
-                v += -OFF
-        if domain > 1:
-            walls = [wall(domain - 1, -1)]
-        else:
-            walls = []
-        if domain < 3:
-            walls += [wall(domain, 1)]
-        else:
-            walls += []
-        flight = solve_ivp(
-            lambda t, y, domain=domain: [y[1], force(domain, t, *y)],
-            (t, t_end),
-            [x, v],
-            events=walls,
-            **options,
-        )
-        run.add(flight.t, *flight.y)
-        t, x, v = float(flight.t[-1]), *(float(value) for value in flight.y[:, -1])
-        if flight.status == 1:
-            at = min((1, 2), key=lambda boundary, v=v: abs(v - speeds[boundary]))
-        else:
-            at = 0
-        source = domain
+    run = Run(joined=joined)
+    run.add([t], [x], [v])
+    follow = with_solver(recording(run, options))["follow"]
+    rows, count, outcome, _ = follow(q, None, 0.0, x, v, *start_mode(q, x, v), OFF, t_end - t)
+    if outcome:
+        raise PeerError(f"solve_ivp gives up after {count} events")
+    run.events = [
+        (t + after, EVENT_KINDS[int(kind)]) for after, _, kind, _ in rows[:count].tolist()
+    ]
     return run
 
 

@@ -20,7 +20,7 @@ from orbit_list import ListedOrbit
 
 from symosc import Event, Parameters, simulate
 from symosc.base.errors import SymoscError
-from symosc.certificates.orbit import certify_orbit
+from symosc.certificates.propose_orbits import certify_orbit
 from symosc.friction import MAPS, MODE_NAMES
 from symosc.words import Word
 

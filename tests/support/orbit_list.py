@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from symosc.certificates.certificate import Certificate
-from symosc.certificates.orbit import certify_orbit
+from symosc.certificates.propose_orbits import certify_orbit
 from symosc.friction import MAPS
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.simulate import simulate

@@ -45,8 +45,10 @@ def _motions() -> Items:
         r"A \emph{ball} is an interval of real numbers. Arithmetic with balls returns balls that "
         r"contain every result for numbers in the operands, rounding included; arb "
         r"\cite{johansson2017} does so for exponentials, sines and cosines with any number of "
-        r"bits. A sign is certain if a ball does not contain 0. A certificate is a list of such "
-        r"signs. What they prove is the subject of this chapter. \cite{tucker2011, neumaier1990}",
+        r"bits. A sign is certain if a ball does not contain 0. The engine only proposes: what it "
+        r"computes in many digits, with a radius. The checker proves a list of such signs and "
+        r"uses nothing of the engine. What they prove is the subject of this chapter. "
+        r"\cite{tucker2011, neumaier1990}",
         r"\begin{theorem}[Krawczyk and Moore, \cite{krawczyk1969, "
         r"moore1977}]\label{thm:certificates-krawczyk} Let $f$ be continuously differentiable on a "
         r"box $X$ with the middle $c$, let the ball matrix $J$ contain $f'(x)$ for all $x \in X$, "
@@ -99,16 +101,16 @@ def _motions() -> Items:
         r"\begin{proof} In each case $g$ is monotone, or its sign is what is asked for; integrate "
         r"once or twice.\end{proof}",
         r"Steps side by side, which are halved where none of the four holds, show where a piece "
-        r"ends first. This is how orbits are proven, and all motions once more by the checker. It "
-        r"takes $g(a) + u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is "
-        r"concave in $u$, so that its ends decide; for the last step also the same backwards from "
-        r"its end. In a flight $u = \ddot{g}$ solves $\ddot{u} + (c/m)\dot{u} + (k/m) u = r$ with "
-        r"$|r| \le D = |B_0|\Omega^3/m$, so its energy bounds it, at resonance too: $|u(h)| \le "
-        r"(u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}$; where $k$ is small, two integrations "
-        r"do. What happens at the event follows from certain signs of the forces "
-        r"(Section~\ref{sec:switching}). Starts that are known to an error are a set; its image is "
-        r"enclosed by the value at its centre and the derivatives of Section~\ref{sec:jacobians} "
-        r"over the whole set.",
+        r"ends first. This is how the checker proves motions and orbits. It takes $g(a) + "
+        r"u\,\dot{g}(a) - u^2 \max|\ddot{g}|/2$ as a lower bound at $a + u$; it is concave in "
+        r"$u$, so that its ends decide; for the last step also the same backwards from its end. "
+        r"In a flight $u = \ddot{g}$ solves $\ddot{u} + (c/m)\dot{u} + (k/m) u = r$ with $|r| \le "
+        r"D = |B_0|\Omega^3/m$, so its energy bounds it, at resonance too: $|u(h)| \le (u^2 + "
+        r"(m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}$; where $k$ is small, two integrations do. What "
+        r"happens at the event follows from certain signs of the forces "
+        r"(Section~\ref{sec:switching}). Starts that are known to an error are a set; its image "
+        r"is enclosed by the value at its centre and the derivatives of "
+        r"Section~\ref{sec:jacobians} over the whole set.",
         r"A graze is a double zero of the gap, which no error of the start allows. It is proven as "
         r"a statement about one start: a number $s$ of the start is left free, and with it the "
         r"zero is a simple one.",
@@ -127,10 +129,9 @@ def _motions() -> Items:
         r"continuously differentiably. So the least gap is continuous in $s$ and has a zero by the "
         r"intermediate value theorem. Its derivative is $\partial g/\partial s$ at that time, "
         r"since $\dot{g} = 0$ there. That has one sign, so there is only one zero.\end{proof}",
-        r"The prover uses (i), the checker (ii). That there is no event before the interval is "
-        r"proven for all $s$ as above. The start that touches is between $a$ and $b$, two "
-        r"fractions within the error of the start; nothing is claimed about the given digits "
-        r"themselves.",
+        r"The checker uses (ii). That there is no event before the interval is proven for all $s$ "
+        r"as above. The start that touches is between $a$ and $b$, two fractions within the error "
+        r"of the start; nothing is claimed about the given digits themselves.",
         r"\begin{lemma}[exact touches]\label{thm:certificates-circles} Let $c = B_0 = 0$, $k > 0$, "
         r"and let a flight start with $\dot{x}_i$ and $\ddot{x}_i$. It touches the belt "
         r"$v_\lambda$ of its domain, and does not cross it, if and only if $\dot{x}_i^2 + "
@@ -158,7 +159,7 @@ def _orbits() -> Items:
         r"its word if each piece ends where it first can (Lemma~\ref{thm:certificates-steps}), if "
         r"at each crossing both forces have the sign of the passage and at each onset of a stick "
         r"the signs of Theorem~4, and if both forces hold during the whole stick. All these are "
-        r"certain signs over the box. The checker proves the same orbit by "
+        r"certain signs over the box. The checker proves it by "
         r"Theorem~\ref{thm:certificates-newton}, for the map from the first event to itself.",
         r"\begin{proposition}[stability from trace and determinant]\label{thm:certificates-stable} "
         r"Both multipliers lie inside the unit circle if and only if $|D| < 1$ and $|T| < 1 + D$, "
@@ -189,10 +190,10 @@ def _orbits() -> Items:
         r"whole tube, or the interval is halved. Neighbouring intervals have the same root where "
         r"they meet: it lies in both tubes. Since $1 - YJ$ has a norm below 1 for $J$ over all of "
         r"a box, $f$ is one-to-one there, and the root is the only one in that box. The flow is "
-        r"made of $\cosh w\tau$ and $\sinh(w\tau)/w$ with $w^2 = (c/2m)^2 - k/m$, entire functions "
-        r"of $w^2$, so a branch may pass through critical damping. The checker proves the same "
-        r"with another form of the flow, with derivatives that are coefficients of power series, "
-        r"and with interval Newton in place of Krawczyk's operator.",
+        r"made of $\cosh w\tau$ and $\sinh(w\tau)/w$ with $w^2 = (c/2m)^2 - k/m$, entire "
+        r"functions of $w^2$, so a branch may pass through critical damping. The checker takes "
+        r"derivatives that are coefficients of power series, and interval Newton in place of "
+        r"Krawczyk's operator.",
         r"\begin{proposition}[the end of a branch]\label{thm:certificates-end} Let one root be "
         r"proven for every parameter value between $a$ and $b$, all inequalities at $a$, and that "
         r"one of them is violated at $b$. Then between $a$ and $b$ there is a first value at which "
@@ -222,9 +223,8 @@ def _orbits() -> Items:
         r"itself, and Banach's theorem gives one fixed point $y^*$. Two points of $B$ have $\|a - "
         r"b\| \le 2$, hence $\|P^n(a) - y^*\| \le 2 q^n$.\end{proof}",
         r"So the last events of a motion of $10^5$ periods are known to as many digits as are "
-        r"asked for: the orbit is enclosed by Theorem~\ref{thm:certificates-krawczyk}, and $2 q^n$ "
-        r"is added. The checker follows $B$ once round with exponentials of matrices, and judges "
-        r"$q$ anew.",
+        r"asked for: the orbit is enclosed by Theorem~\ref{thm:certificates-newton}, and $2 q^n$ "
+        r"is added. The checker follows $B$ once round with exponentials of matrices.",
     )
 
 
@@ -264,8 +264,8 @@ def _windows() -> Items:
         r"between them the sign is constant: one phase of each arc proves it. At a zero with "
         r"$\cos\theta \ne 0$ the gap changes its sign; at one with $\cos\theta = 0$ "
         r"\eqref{eq:certificates-fourth} decides, or, in the paper's order, nothing does. The "
-        r"checker instead covers the circle outside the ends with intervals of certain sign, and "
-        r"shows that the derivative has one sign at the ends.",
+        r"checker covers the circle outside the ends with intervals of certain sign, and shows "
+        r"that the derivative has one sign at the ends.",
     )
 
 

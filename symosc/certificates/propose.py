@@ -1,0 +1,803 @@
+"""Proposed enclosures of a motion: what the engine computes, with a radius, for the checker to prove.
+
+Nothing in this module proves anything, so nothing in it can make a certificate wrong. `simulate`
+with many digits says which events there are, and when and where; each becomes an enclosure of a
+few units of its last digit or, for a start known to an error, of the error that the engine
+estimates. The checker (`verify`, `verify_orbits`) uses nothing of the engine: it proves the file
+by ball arithmetic, or refuses it. A refused file is proposed again with more digits, or wider.
+
+A graze of a start with an error is the statement that one start touches. Its start lies between
+two values of one number of the start, which the secant method finds: it makes the least gap 0.
+
+A motion that settles on an orbit comes into a box about one of its switching points. The box has
+the shape that the map over some periods contracts, by the Jacobian of the closing equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from decimal import Decimal, localcontext
+from fractions import Fraction
+from math import ceil, floor
+from typing import Any, NamedTuple
+
+from flint import arb, ctx
+
+import symosc.certificates.verify as verify
+from symosc.analysis.sensitivities import sensitivities
+from symosc.base.aliases import Number, Record
+from symosc.base.exact import power_of_ten, show
+from symosc.certificates.certificate import (
+    STARTS,
+    Certificate,
+    confirmed,
+    made_by,
+    provable,
+    stated,
+)
+from symosc.engine.arithmetic import many_digits
+from symosc.engine.events import Event
+from symosc.engine.state import Launch
+from symosc.friction import MODE_NAMES
+from symosc.kernels._generated import acceleration
+from symosc.model import Parameters
+from symosc.orbits.closing_equations import ClosingEquations, polish
+from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.simulation.simulate import MOST_EXACT_EVENTS, simulate
+from symosc.simulation.trajectory import Trajectory
+from symosc.words import Word
+
+#: Enclosures of events have this many digits, and more where events are closer to each other.
+DIGITS = 25
+DIGITS_BEYOND = 8
+#: Digits in which the engine computes beyond those of an enclosure.
+SPARE_DIGITS = 20
+#: Digits that are asked for where fewer leave a contact open: the engine takes up to twelve times as
+#: many for it.
+MORE_DIGITS = 200
+#: Each time the checker refuses an exact start's events, they are proposed with so many times the
+#: digits.
+FINER = (1, 2, 4)
+#: Radii to propose for a start with an error, in units of the engine's estimate.
+WIDER = (1.25, 2.5, 8.0, 64.0)
+EXACT = (Fraction(0),) * 3
+#: The radius of an exact start's event, in units of the engine's estimate.
+EXACT_ROW = 100.0
+#: Which start value is varied for a graze: the first one of these that has an error.
+FREE = (("x0", 1), ("v0", 2), ("t0", 0))
+MOST_SECANTS = 14
+MOST_NEWTON = 60
+#: Digits of the numbers with which a motion is followed that settles.
+SETTLED_DIGITS = 90
+#: Decimal places of the box.
+BOX_PLACES = 60
+#: Bits with which the checker is asked how wide its sets are.
+CHECKED_BITS = (256, 512, 1024)
+#: How many events a motion may take to come near the orbit, tried one after another; how near that
+#: is (of t, and of x).
+MOST_EVENTS_BEFORE = (50, 400, 2000)
+NEAR_ARRIVAL = 1e-6
+#: How many times larger the box is than what comes into it; its least size; the largest factor by
+#: which it may be contracted; the most turns that this may take; how many boxes are proposed.
+BOX_MARGIN = 8
+LEAST_BOX = Fraction(1, 10**22)
+MOST_Q = 0.9
+MOST_TURNS = 8
+MOST_CYCLES = 3
+MODE_NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
+
+Interval = tuple[Fraction, Fraction]
+
+
+class Open(Exception):
+    """Raised if not all can be proposed: `what` is undecided, after the events of a `statement`."""
+
+    def __init__(self, what: str, statement: Record | None = None) -> None:
+        self.what = what
+        self.statement = statement
+        super().__init__(what)
+
+
+class ToProve(NamedTuple):
+    """The motion to prove: parameters, start (t0, x0, v0), errors, t_end, digits, and names for
+    derivatives (`wrt`).
+    """
+
+    p: Parameters
+    start: tuple[Fraction, Fraction, Fraction]
+    errors: tuple[Fraction, Fraction, Fraction]
+    t_end: Fraction
+    digits: int = DIGITS
+    wrt: tuple[str, ...] = ()
+
+    @property
+    def exact(self) -> bool:
+        """Whether the start is known exactly."""
+        return not any(self.errors)
+
+    @property
+    def error_digits(self) -> int:
+        """The digits that tell the smallest error of the start from 0."""
+        return max((power_of_ten(1 / error) for error in self.errors if error), default=0)
+
+    def run(self, digits: int, most: int | None = None, **changes: Any) -> Trajectory:
+        """Return the motion as the engine follows it with `digits`, up to `most` events.
+
+        `changes` replaces numbers of the start, t_end and start_error.
+        """
+        about: dict[str, Any] = dict(zip(STARTS, self.start, strict=True))
+        about["t_end"] = self.t_end
+        if not self.exact:
+            about["start_error"] = list(self.errors)
+        return simulate(self.p, digits=digits, max_events=most, **(about | changes))
+
+
+# -- decimals --------------------------------------------------------------------------------------
+
+
+def fraction(number: Any) -> Fraction:
+    """Return a number of mpmath, or a float, exactly as a fraction."""
+    if isinstance(number, float | int | Fraction):
+        return Fraction(number)
+    return Fraction(int(number.man)) * Fraction(2) ** int(number.exp) * (1 if number >= 0 else -1)
+
+
+def around(number: Any, radius: Any) -> Interval:
+    """Return both ends of the interval of a radius about a number."""
+    middle = fraction(number)
+    reach = abs(fraction(radius))
+    return middle - reach, middle + reach
+
+
+def outward(ends: Interval, digits: int) -> list[str]:
+    """Return both ends of an interval as decimals of so many digits.
+
+    The lower end is rounded down and the upper end up, by one unit of the last digit more than
+    necessary.
+    """
+    # The checker can then prove what is as wide as rounding alone.
+    low, high = ends
+    scale = max(abs(low), abs(high), Fraction(1))
+    unit = Fraction(10) ** (len(str(int(scale))) - digits)
+    return [show_decimal(floor(low / unit - 1) * unit), show_decimal(ceil(high / unit + 1) * unit)]
+
+
+def show_decimal(exact: Fraction) -> str:
+    """Return a fraction that is a finite decimal as text, with all of its digits."""
+    with localcontext(prec=len(str(abs(exact.numerator))) + len(str(exact.denominator)) + 5):
+        return format(Decimal(exact.numerator) / Decimal(exact.denominator), "f")
+
+
+def one_digit(most: Any) -> str:
+    """Round a positive number down to a decimal with one digit, such as 3e-12."""
+    number = fraction(most)
+    power = power_of_ten(number)
+    while number < Fraction(10) ** power:
+        power -= 1
+    while number >= Fraction(10) ** (power + 1):
+        power += 1
+    return f"{number // Fraction(10) ** power}e{power}"
+
+
+def known(ends: Interval, digits: int) -> list[str]:
+    """Return an interval as decimals, with two digits more than it knows, but at most `digits`."""
+    low, high = ends
+    if low != high:
+        scale = max(abs(low), abs(high), Fraction(1))
+        digits = min(digits, max(3, 3 + power_of_ten(scale / (high - low))))
+    return outward(ends, digits)
+
+
+# -- motions ---------------------------------------------------------------------------------------
+
+
+def certify_motion(task: ToProve) -> Certificate:
+    """Propose all events of a motion until t_end, and let the checker prove them.
+
+    Return the certificate; if not all is proven, with the events that are.
+    """
+    statement = first_entries(task, task.digits)
+    message = ""
+    try:
+        for statement in _statements(task):
+            certificate = confirmed("trajectory", statement)
+            if certificate.proven:
+                return certificate
+            message = certificate.message
+    except Open as undecided:
+        message = undecided.what
+        statement = undecided.statement or statement
+    rows = []
+    if "events" in statement:
+        rows = statement["events"][: len(enclosed(statement)[0])]
+    kept = {
+        key: value
+        for key, value in statement.items()
+        if key not in ("wrt", "derivatives", "free", "starts")
+    }
+    kept |= {"starts": "all", "events": rows}
+    since = Fraction(rows[-1]["t"][0]) if rows else task.start[0]
+    count = f"after {len(rows)} event{'' if len(rows) == 1 else 's'}"
+    text = f"{message}, {count}, from t = {float(since):.15g} on"
+    return stated("trajectory", False, text, kept)
+
+
+def _statements(task: ToProve) -> Iterator[Record]:
+    """Yield the contents of one file after another, each with finer or wider enclosures."""
+    if task.exact:
+        for finer in FINER:
+            yield _exact_statement(task, finer)
+        return
+    run = _followed(task, task.digits)
+    if any(event.kind == "graze" for event in run.events):
+        yield from _touching(task, run)
+        return
+    # The estimates of the engine are of first order. The checker's sets are wider, and it says how
+    # wide they are.
+    statement = about(task, run, [row_of(event, WIDER[0], task.digits) for event in run.events])
+    sets, reason = enclosed(statement)
+    rows = statement["events"][: len(sets)]
+    for row, ends in zip(rows, sets, strict=True):
+        for name, pair in zip("tx", ends, strict=True):
+            row[name] = known(pair, task.digits)
+    statement["events"] = rows
+    if reason:
+        raise Open(f"not confirmed by the checker: not proven: {reason}", statement)
+    yield statement
+
+
+def enclosed(statement: Record) -> tuple[list[tuple[Interval, Interval]], str]:
+    """Return how the checker encloses t and x of each event of a file, and why it stops.
+
+    It is "" if the checker follows the motion up to t_end.
+    """
+    # Nothing rests on it: the file is proven as a whole.
+    source = {key: value for key, value in statement.items() if key in verify.MOTION}
+    data = verify.read(source, verify.MOTION, "trajectory")
+    start = [data["start"][name] for name in STARTS]
+    found: list[tuple[Interval, Interval]] = []
+    reason = ""
+    for bits in CHECKED_BITS:
+        found = []
+        limits = verify.LIMITS | {"left": verify.LIMITS["steps"]}
+        with verify.LOCK, ctx.workprec(bits):
+            try:
+                problem = verify.Problem(data["parameters"], limits)
+                motion = verify.begin(problem, start, data["start_error"], [])
+                for row in data["events"]:
+                    motion = motion.after_event(row)
+                    found.append((ends_of(motion.t), ends_of(motion.x)))
+                motion.positive(arb(data["t_end"]).upper())
+            except verify.Stop as stop:
+                reason = stop.args[1]
+                if stop.args[0] == verify.OPEN:
+                    continue
+                return found, reason
+            return found, ""
+    return found, reason
+
+
+def ends_of(ball: Any) -> Interval:
+    """Return both ends of a ball as exact fractions."""
+    middle, radius = (
+        Fraction(int(part.p), int(part.q)) for part in (ball.mid().fmpq(), ball.rad().fmpq())
+    )
+    return middle - radius, middle + radius
+
+
+def _followed(task: ToProve, digits: int, most: int | None = None, **changes: Any) -> Trajectory:
+    """Return the motion with enough digits for enclosures of `digits`, or raise Open."""
+    working = digits + SPARE_DIGITS + task.error_digits
+    run = task.run(working, most, **changes)
+    if run.status == "undecidable" and task.exact and working < MORE_DIGITS:
+        working = MORE_DIGITS
+        run = task.run(working, most, **changes)
+    if run.status == "undecidable":
+        near = f"{float(run.t_end):.15g}"
+        raise open_after(task, run, f"a touch or a near miss near t = {near}", working)
+    if run.status == "max_events" and most is None:
+        raise Open(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
+    return run
+
+
+def open_after(task: ToProve, run: Trajectory, what: str, digits: int) -> Open:
+    """Return the exception that says what so many digits do not decide, with the events of `run`."""
+    rows = [row_of(event, EXACT_ROW, task.digits) for event in run.events]
+    return Open(f"{what} is not decided with {digits} digits", about(task, run, rows))
+
+
+def _exact_statement(task: ToProve, finer: int) -> Record:
+    """Return the events of an exact start; `finer` is how many times the digits are proposed."""
+    digits = least = finer * task.digits
+    while True:
+        run = _followed(task, digits)
+        rows = _row_digits(task, run, least)
+        if max(rows, default=0) <= digits + SPARE_DIGITS // 2:
+            break
+        digits = max(rows)
+    statement = about(
+        task,
+        run,
+        [row_of(event, EXACT_ROW, row) for event, row in zip(run.events, rows, strict=True)],
+    )
+    if task.wrt:
+        statement |= _derivatives(task, run)
+    return statement
+
+
+def _row_digits(task: ToProve, run: Trajectory, least: int) -> list[int]:
+    """Return how many digits each event needs so that its time is told from that before it."""
+    found = []
+    before = task.start[0]
+    for event in run.events:
+        t = fraction(event.t)
+        digits = 2 * least + (run.digits or 0)
+        if t > before:
+            scale = max(Fraction(1), abs(t))
+            digits = DIGITS_BEYOND + power_of_ten(scale / (t - before))
+        found.append(max(least, digits))
+        before = t
+    return found
+
+
+def row_of(event: Event, wider: float, digits: int) -> Record:
+    """Return an event as a row of the file: t and x within so many times their estimated errors."""
+    row: Record = {name: getattr(event, name) for name in ("kind", "boundary", "source", "target")}
+    for name in ("t", "x"):
+        error = getattr(event, f"{name}_error")
+        row[name] = known(around(getattr(event, name), wider * error), digits)
+    return row
+
+
+def about(task: ToProve, run: Trajectory, rows: list[Record]) -> Record:
+    """Return the contents of a motion's file, with the events in `rows`."""
+    mode = run.segments[0].mode
+    return first_entries(task, run.digits or 0) | {"starts": "all", "mode": mode, "events": rows}
+
+
+def first_entries(task: ToProve, digits: int) -> Record:
+    """Return the first entries of a motion's file: the program, and parameters and start as
+    rational numbers.
+    """
+    return made_by(digits) | {
+        "parameters": task.p.as_dict(),
+        "start": {name: show(value) for name, value in zip(STARTS, task.start, strict=True)},
+        "start_error": [show(error) for error in task.errors],
+        "t_end": show(task.t_end),
+    }
+
+
+# -- derivatives -----------------------------------------------------------------------------------
+
+
+def _derivatives(task: ToProve, run: Trajectory) -> Record:
+    """Return the derivatives of all events by `task.wrt` as entries of the file, or raise Open."""
+    count = len(run.events)
+    for name in task.wrt:
+        if name not in provable(task.p, task.start[2]):
+            on_belt = task.start[2] in (task.p.v1, task.p.v2) and name[0] == "v"
+            where = "at resonance or where it is 0"
+            if on_belt:
+                where = "of a start on a belt"
+            raise open_after(task, run, f"a derivative by {name} {where}", task.digits)
+    if any(event.kind == "graze" for event in run.events):
+        raise open_after(task, run, "a derivative behind a graze", task.digits)
+    start: dict[str, Any] = dict(zip(STARTS, task.start, strict=True))
+    changes = sensitivities(
+        task.p, task.wrt, **start, t_end=task.t_end, digits=task.digits + SPARE_DIGITS
+    )
+    rows = []
+    for each in range(count):
+        columns = {"dt": changes.dt[each], "dx": changes.dx[each]}
+        rows.append(
+            {
+                name: [outward(around(value, 0), task.digits) for value in values]
+                for name, values in columns.items()
+            }
+        )
+    return {"wrt": list(task.wrt), "derivatives": rows}
+
+
+# -- a graze of some start -------------------------------------------------------------------------
+
+
+class Touch(NamedTuple):
+    """A start value that is varied until a flight just touches a belt.
+
+    `place` is its index in the start, `before` the number of events before the flight.
+    """
+
+    name: str
+    place: int
+    before: int
+    event: Event
+
+
+def _touching(task: ToProve, run: Trajectory) -> Iterator[Record]:
+    """Yield files that state a graze of one start within the error, and all events of it."""
+    before = next(i for i, event in enumerate(run.events) if event.kind == "graze")
+    name, place = next((name, place) for name, place in FREE if task.errors[place])
+    touch = Touch(name, place, before, run.events[before])
+    value, digits = _touching_value(task, touch)
+    given = task.start[place]
+    error = task.errors[place]
+    places = 2 * (task.digits + 2) + task.error_digits // 2
+    unit = Fraction(1, 10**places)
+    low, high = (Fraction(floor(value / unit) + step) * unit for step in (-1, 2))
+    if max(abs(low - given), abs(high - given)) > error:
+        near = f"near t = {float(touch.event.t):.15g}"
+        what = f"a touch that is further off than the error of the start, {near},"
+        raise open_after(task, run, what, digits)
+    errors = [Fraction(0)] * 3
+    errors[place] = (high - low) / 2
+    changes: dict[str, Any] = {name: (low + high) / 2, "start_error": errors}
+    one = task.run(digits, **changes)
+    free = {"name": name, "low": show_decimal(low), "high": show_decimal(high)}
+    for wider in WIDER[::2]:
+        rows = [row_of(event, wider, task.digits) for event in one.events]
+        yield about(task, one, rows) | {"starts": "some", "free": free}
+
+
+def _touching_value(task: ToProve, touch: Touch) -> tuple[Fraction, int]:
+    """Return the start value with which a flight touches, by the secant method, and the digits in
+    which it is computed.
+    """
+    # The least gap is 0 to so many digits as the start value is needed to; twice as many are used.
+    digits = 2 * (2 * task.digits + SPARE_DIGITS) + task.error_digits
+    given = task.start[touch.place]
+    reach = task.errors[touch.place]
+    near = fraction(touch.event.t)
+    points = list[tuple[Fraction, Fraction]]()
+    for count in range(2 + MOST_SECANTS):
+        if count < 2:
+            value = given + reach * count / 4
+        else:
+            (s, g), (s2, g2) = points[-2:]
+            if g == g2:
+                break
+            step = g2 * (s2 - s) / (g2 - g)
+            value = fraction(many_digits(task.p, digits).number(s2 - step))
+            if abs(value - given) > reach:
+                break
+        gap, near = _least_gap(task, touch, value, near, digits)
+        points.append((value, gap))
+    return points[-1][0], digits
+
+
+def _least_gap(
+    task: ToProve, touch: Touch, value: Fraction, near: Fraction, digits: int
+) -> tuple[Fraction, Fraction]:
+    """Return the least gap to a belt that a flight has, and when, near a time `near`.
+
+    It begins after the events before the touch, of the start with another `value`. The belt does
+    not end it.
+    """
+    arithmetic = many_digits(task.p, digits)
+    number = arithmetic.number
+    context = arithmetic.context
+    K = arithmetic.K
+    start = list(task.start)
+    start[touch.place] = value
+    t, x, v = (number(each) for each in start)
+    if touch.before:
+        changes: dict[str, Any] = {touch.name: value, "start_error": 0}
+        event = task.run(digits, touch.before, **changes).events[touch.before - 1]
+        t, x, v = (context.convert(each) for each in (event.t, event.x, event.v))
+    mode = MODE_NUMBERS[touch.event.source]
+    theta = K.Om * t
+    A = (K.A1, K.A2, K.A3)[mode - 1]
+    cosine = context.cos(theta)
+    force = acceleration(x, v, cosine, A, K.cm, K.w0sq, K.f0)
+    launch = Launch(v, force, context.sin(theta), cosine)
+    tau = number(near) - t
+    flown = arithmetic.namespace["state_at"]
+    for _ in range(MOST_NEWTON):
+        there = flown(tau, launch, K)
+        step = there.F / there.G1
+        if abs(step) <= 16 * context.eps * abs(tau):
+            break
+        tau = tau - step
+    there = flown(tau, launch, K)
+    gap = v + there.dv - number(task.p.belt(touch.event.boundary))
+    return fraction(gap), fraction(t + tau)
+
+
+# -- motions that settle ---------------------------------------------------------------------------
+
+
+class OrbitInDigits:
+    """An orbit as the engine knows it in many digits: its points, its period, and the derivatives
+    of each piece's end by its start.
+    """
+
+    def __init__(
+        self,
+        p: Parameters,
+        labels: Sequence[str],
+        periods: int,
+        points: Sequence[tuple[Number, Number]],
+        digits: int,
+    ) -> None:
+        self.equations = ClosingEquations(p, Word(tuple(labels)), periods, digits)
+        context = self.equations.context
+        Omega = self.equations.K.Om
+        guess = [(context.convert(x), context.convert(t) * Omega) for t, x in points]
+        solution = polish(self.equations, guess)
+        if not solution.converged:
+            raise Open(f"a root of the closing equations is not found: {solution.reason}")
+        self.solution = solution.points
+        self.context = context
+        self.pieces = self.equations.pieces
+        self.turn = self.equations.turn / Omega
+        #: t and x at each switching point.
+        self.points = [(theta / Omega, x) for x, theta in solution.points]
+
+    def switchings(self, begin: int) -> list[tuple[Record, Number, Number]]:
+        """Return what happens, when and where at each event of one period from event `begin` on.
+
+        The last one is event `begin` again, a period later.
+        """
+        found = []
+        n = len(self.pieces)
+        for j in range(begin, begin + n + 1):
+            before = self.pieces[j % n - 1]
+            piece = self.pieces[j % n]
+            kind = "cross"
+            if before.sticks:
+                kind = "slip"
+            elif piece.sticks:
+                kind = "stick"
+            what = {
+                "kind": kind,
+                "boundary": piece.start,
+                "source": MODE_NAMES[before.mode],
+                "target": MODE_NAMES[piece.mode],
+            }
+            t, x = self.points[j % n]
+            found.append((what, t + self.turn * (j // n), x))
+        return found
+
+    def slopes(self) -> list[Any]:
+        """Return for each piece the 2 x 2 matrix of the derivatives of t and x at its end by t and
+        x at its start.
+        """
+        J = self.equations.matrix(self.solution)
+        Omega = self.equations.K.Om
+        context = self.context
+        size = 2 * len(self.pieces)
+        found = []
+        for i in range(0, size, 2):
+            begin, end = (
+                [[J[i + row, (i + shift + j) % size] for j in (1, 0)] for row in (0, 1)]
+                for shift in (0, 2)
+            )
+            (a, b), (c, d) = end
+            inverse = context.matrix([[d, -b], [-c, a]]) / (b * c - a * d)
+            slope = inverse * context.matrix(begin)  # of theta and x
+            slope[0, 1] = slope[0, 1] / Omega
+            slope[1, 0] = slope[1, 0] * Omega
+            found.append(slope)
+        return found
+
+
+class Cycle(NamedTuple):
+    """A box of t and x at an arrival on a belt, into which all motions from it come back after
+    `turns` periods.
+
+    `reaches` says how far motions of the box are apart at each event, in t and in x; `q` is the
+    factor by which the box is contracted.
+    """
+
+    place: int
+    middle: Sequence[Fraction]
+    widths: Sequence[Fraction]
+    turns: int
+    reaches: Sequence[Sequence[Fraction]]
+    q: float
+
+
+def certify_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
+    """Propose that a motion settles on an orbit, by a cycle of events, and let the checker prove
+    it.
+
+    Return the certificate.
+    """
+    message = "no event comes near the orbit on which the motion is to settle"
+    try:
+        for statement in _settled_statements(task, orbit):
+            certificate = confirmed("settled", statement)
+            if certificate.proven:
+                return certificate
+            message = certificate.message
+    except Open as undecided:
+        message = undecided.what
+    return Certificate("settled", False, message)
+
+
+def _settled_statements(task: ToProve, orbit: PeriodicOrbit) -> Iterator[Record]:
+    """Yield files that state the events of a motion up to its arrival in a box, and a cycle."""
+    known_orbit = OrbitInDigits(task.p, orbit.labels, orbit.periods, orbit.points, SETTLED_DIGITS)
+    turn = fraction(known_orbit.turn)
+    leaves = leaving(task)
+    begun = task
+    about_it = first_entries(task, SETTLED_DIGITS) | {"may_stick_until": None}
+    if leaves is not None:
+        until, errors = leaves
+        begun = task._replace(errors=errors)
+        about_it["may_stick_until"] = show_decimal(until)
+    seen = 0
+    sizes = list[Fraction]()
+    for most in MOST_EVENTS_BEFORE:
+        run = begun.run(SETTLED_DIGITS, most)
+        about_it["mode"] = run.segments[0].mode
+        rows = [row_of(event, WIDER[1], DIGITS) for event in run.events]
+        for count, event in enumerate(run.events[seen:], seen + 1):
+            place = _arrival(known_orbit, event)
+            cycle = None if place is None else _cycle(known_orbit, place, event)
+            # A much smaller box may be one from which no event changes its place.
+            if cycle is None or (sizes and cycle.widths[0] * 1000 > sizes[-1]):
+                continue
+            sizes.append(cycle.widths[0])
+            entries = _cycle_entries(task, known_orbit, cycle, rows[count - 1], turn)
+            entries["count"] += count
+            yield about_it | {"events": rows[:count]} | entries
+            if len(sizes) == MOST_CYCLES:
+                return
+        seen = len(run.events)
+
+
+def leaving(task: ToProve) -> tuple[Fraction, tuple[Fraction, Fraction, Fraction]] | None:
+    """Return by when all starts on a belt have left it, and the errors of their flights' start.
+
+    None if the start is not on a belt, or the forces there are not 0 within its error.
+    """
+    p = task.p
+    t0, x0, v0 = task.start
+    if v0 not in (p.v1, p.v2) or task.errors[2] or task.exact:
+        return None
+    boundary = 1 if v0 == p.v1 else 2
+    arithmetic = many_digits(p, SETTLED_DIGITS)
+    number = arithmetic.number
+    theta = number(p.Omega * t0)
+    cosine = fraction(arithmetic.context.cos(theta))
+    sine = fraction(arithmetic.context.sin(theta))
+    forces = [
+        (p.A(domain) + p.B0 * cosine - p.k * x0 - p.c * v0) / p.m
+        for domain in (boundary, boundary + 1)
+    ]
+    slope = -(p.k * v0 + p.B0 * p.Omega * sine) / p.m
+    swing = abs(p.B0) * p.Omega / p.m
+    reach = p.k / p.m * task.errors[1] + swing * task.errors[0]
+    ends = forces[0] if slope < 0 else forces[1]
+    steepness = abs(slope) - swing * p.Omega * task.errors[0]
+    if abs(ends) > reach or steepness <= 0:
+        return None
+    lasts = task.errors[0] + 2 * (abs(ends) + reach) / steepness
+    lasts = Fraction(floor(lasts * 10**BOX_PLACES) + 2, 10**BOX_PLACES)
+    wide = task.errors[1] + abs(v0) * (lasts + task.errors[0])
+    return t0 + lasts, (lasts, wide, Fraction(0))
+
+
+def _arrival(orbit: OrbitInDigits, event: Event) -> int | None:
+    """Return the index of the orbit's switching point, after a flight, that is near an event."""
+    for i, (what, t, x) in enumerate(orbit.switchings(0)[:-1]):
+        turns = float((event.t - t) / orbit.turn)
+        near = abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - x)) < NEAR_ARRIVAL
+        same = all(getattr(event, name) == value for name, value in what.items())
+        if near and same and event.kind != "slip":
+            return i
+    return None
+
+
+def _cycle(orbit: OrbitInDigits, place: int, event: Event) -> Cycle | None:
+    """Return a box about the orbit's point `place` that has an event in it and contracts, or None
+    if it is too large.
+    """
+    n = len(orbit.pieces)
+    slopes = orbit.slopes()
+    unit = orbit.context.eye(2)
+    once = unit
+    for j in range(place, place + n):
+        once = slopes[j % n] * once
+    whole = once
+    turns = 1
+    shape = _contracted_box(whole)
+    while shape is None:
+        turns += 1
+        if turns > MOST_TURNS:
+            raise Open("a norm in which the orbit attracts is not found")
+        whole = once * whole
+        shape = _contracted_box(whole)
+    t, x = orbit.points[place]
+    gone = round(float((event.t - t) / orbit.turn))
+    places = 10**BOX_PLACES
+    middle = tuple(
+        Fraction(round(fraction(each) * places), places) for each in (t + gone * orbit.turn, x)
+    )
+    errors = event.t_error, event.x_error
+    off = [
+        abs(fraction(value) - c) + 2 * Fraction(error)
+        for value, c, error in zip((event.t, event.x), middle, errors, strict=True)
+    ]
+    largest = max(LEAST_BOX, *(BOX_MARGIN * a / w for a, w in zip(off, shape, strict=True)))
+    widths = tuple(Fraction(one_digit(largest * w)) for w in shape)
+    if max(widths) > NEAR_ARRIVAL:
+        return None
+    reaches = []
+    D = unit
+    sizes = [orbit.context.mpf(w.numerator) / w.denominator for w in widths]
+    for j in range(place, place + turns * n + 1):
+        reaches.append(
+            tuple(fraction(sum(abs(D[i, k]) * sizes[k] for k in (0, 1))) for i in (0, 1))
+        )
+        D = slopes[j % n] * D
+    q = max(float(reach / width) for reach, width in zip(reaches[-1], widths, strict=True))
+    return Cycle(place, middle, widths, turns, reaches, q)
+
+
+def _contracted_box(D: Any) -> tuple[Fraction, Fraction] | None:
+    """Return sides (the larger is 1) of a box about 0 that the matrix D maps into a smaller copy of
+    it, or None.
+    """
+    sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
+    sides = [1.0, 1.0]
+    for _ in range(60):  # towards the eigenvector of |D|
+        images = [sum(a * b for a, b in zip(row, sides, strict=True)) for row in sizes]
+        sides = [image + 1e-3 * max(sides) for image in images]
+        sides = [side / max(sides) for side in sides]
+    images = [sum(a * b for a, b in zip(row, sides, strict=True)) for row in sizes]
+    if max(image / side for image, side in zip(images, sides, strict=True)) < MOST_Q:
+        return Fraction(f"{sides[0]:.2g}"), Fraction(f"{sides[1]:.2g}")
+    return None
+
+
+def _cycle_entries(
+    task: ToProve, orbit: OrbitInDigits, cycle: Cycle, arrival: Record, turn: Fraction
+) -> Record:
+    """Return the entries of the file about a cycle that begins with the `arrival`, and about the
+    last events.
+    """
+    n = len(orbit.pieces)
+    length = n * cycle.turns
+    what = [each for each, _, _ in orbit.switchings(cycle.place)[:-1]]
+    points = [
+        (fraction(t), fraction(x))
+        for t, x in (orbit.points[(cycle.place + j) % n] for j in range(n))
+    ]
+    gone = round((cycle.middle[0] - points[0][0]) / turn)
+    # t of each event of the cycle, for the orbit
+    times = []
+    for j in range(length + 1):
+        later = gone + (cycle.place + j) // n
+        times.append(points[j % n][0] + later * turn)
+    box = [
+        [show_decimal(c - w), show_decimal(c + w)]
+        for c, w in zip(cycle.middle, cycle.widths, strict=True)
+    ]
+    rows = [arrival | {"t": box[0], "x": box[1]}]
+    for j in range(1, length + 1):
+        row = dict(what[j % n])
+        for name, value, reach in zip(
+            "tx", (times[j], points[j % n][1]), cycle.reaches[j], strict=True
+        ):
+            row[name] = outward((value - 2 * reach, value + 2 * reach), BOX_PLACES)
+        rows.append(row)
+    span = cycle.turns * turn
+    cycles = max(0, floor((task.t_end - times[0]) / span))
+    left = sum(each + cycles * span < task.t_end for each in times[:-1]) - 1
+    total = cycles * length + left
+    last = []
+    for number in range(max(1, total - n + 1), total + 1):
+        k, j = divmod(number, length)
+        values = times[j] + k * span, points[j % n][1]
+        row = dict(what[j % n])
+        for name, value, reach in zip("tx", values, cycle.reaches[j], strict=True):
+            spare = 2 * reach * Fraction(cycle.q**k)
+            row[name] = known((value - spare, value + spare), task.digits)
+        last.append(row)
+    return {
+        "periods": cycle.turns * orbit.equations.periods,
+        "cycle": rows,
+        "last": last,
+        "count": total,
+    }
