@@ -227,34 +227,26 @@ def start_of(
     theta = theta_m - flights.K.Om * arrival.tau
     two_pi = 2 * context.pi
     theta -= two_pi * context.floor(theta / two_pi)
-    point = f"belt {boundary} at t = {float(t):.12g}, x = {float(x):.12g}"
-    if kind == backward.TOUCH:
-        verb = "touches"
-    else:
-        verb = "comes from"
+    is_contact = kind in (backward.CONTACT, backward.TOUCH)
     if until is None:
-        matches = boundary == belt
-        reason = f"the flow {verb} {point}, not belt {belt}"
+        nowhere = not is_contact
+        matches = is_contact and boundary == belt
     else:
+        nowhere = not (is_contact or kind == backward.REACHED)
         matches = kind == backward.REACHED
-        reason = f"between t0 and t_m the flow {verb} {point}"
-    nowhere = kind not in (backward.CONTACT, backward.TOUCH) and not (
-        kind == backward.REACHED and until is not None
-    )
-    matches = matches and not nowhere
-    since = f"backward from t = {float(t):.6g}"
-    ended = f"the search ended at t = {float(t):.6g}"
-    reasons = {
-        backward.NEVER: f"the flow never met a belt before: {since} its velocity runs away from "
-        f"belt {belt}",
-        backward.REACHED: f"the flow met no belt in the {periods:g} periods before; ask for more "
-        "with periods=",
-        backward.LARGE: f"{ended}: before that the velocity exceeds {backward.HUGE:g}, and no "
-        "belt was met",
-        backward.LONG: f"{ended}, after as many steps as it may take; until there no belt was met",
-        backward.UNDECIDED: f"whether the flow meets belt {boundary} at t = {float(t):.12g} "
-        "could not be decided",
-    }
+    reason = None
+    if not matches:
+        point = f"belt {boundary} at t = {float(t):.12g}"
+        if kind == backward.TOUCH:
+            verb = "touches"
+        else:
+            verb = "comes from"
+        if not nowhere and until is None:
+            reason = f"the flow {verb} {point}, x = {float(x):.12g}, not belt {belt}"
+        elif not nowhere:
+            reason = f"between t0 and t_m the flow {verb} {point}, x = {float(x):.12g}"
+        else:
+            reason = _reason_nowhere(kind, float(t), belt, point, periods)
     shown = mp_context(decimals)
 
     def out(value: Number) -> Number:
@@ -266,34 +258,64 @@ def start_of(
         velocity: object = p.belt(boundary)
     else:
         velocity = arrival.v
-    start: Record = {"t0": _text(t, decimals, shown), "x0": _text(x, decimals, shown)}
-    if isinstance(velocity, Fraction):
-        start["v0"] = show(velocity)
-    else:
-        start["v0"] = _text(velocity, decimals, shown)
-    decimal_places = [len(text.partition(".")[2]) for text in start.values()]
-    units = [
-        Fraction(1, 10**places) if places else Fraction(0) for places in decimal_places
-    ]  # of the last decimals
-    start["start_error"] = (
-        units[0],
-        units[1],
-        Fraction(0) if boundary else units[2],
-    )  # belts have exact speeds
+    start: Record = {}
+    if not nowhere:
+        start = _start_for_simulate(t, x, velocity, decimals, shown)
     values = {"t": t, "x": x, "v": flights.number(velocity), "theta": theta}
     return GrazingStart(
         mapping=mapping,
         found=matches,
-        reason=None if matches else reasons.get(kind, reason),
+        reason=reason,
         **{name: None if nowhere else out(value) for name, value in values.items()},
         boundary=0 if nowhere else boundary,
         touch=kind == backward.TOUCH,
         t_m=out(t_m),
         x_m=out(x_m),
         theta_m=out(theta_m),
-        start={} if nowhere else start,
+        start=start,
         undecided=nowhere and kind != backward.NEVER,
     )
+
+
+def _reason_nowhere(kind: str, t: float, belt: int, point: str, periods: float) -> str:
+    """Return text that says why the flow backward from a contact was followed to no start."""
+    ended = f"the search ended at t = {t:.6g}"
+    if kind == backward.NEVER:
+        since = f"backward from t = {t:.6g}"
+        return f"the flow never met a belt before: {since} its velocity runs away from belt {belt}"
+    if kind == backward.REACHED:
+        return f"the flow met no belt in the {periods:g} periods before; ask for more with periods="
+    if kind == backward.LARGE:
+        return f"{ended}: before that the velocity exceeds {backward.HUGE:g}, and no belt was met"
+    if kind == backward.LONG:
+        return f"{ended}, after as many steps as it may take; until there no belt was met"
+    return f"whether the flow meets {point} could not be decided"
+
+
+def _start_for_simulate(
+    t: Number, x: Number, velocity: object, decimals: int, shown: Context
+) -> Record:
+    """Return the start as text of so many decimals, with half-widths of its rounding.
+
+    A velocity that is a Fraction is that of a belt, and exact.
+    """
+    start: Record = {"t0": _text(t, decimals, shown), "x0": _text(x, decimals, shown)}
+    on_belt = isinstance(velocity, Fraction)
+    if isinstance(velocity, Fraction):
+        start["v0"] = show(velocity)
+    else:
+        start["v0"] = _text(velocity, decimals, shown)
+    units = []  # of the last decimals
+    for text in start.values():
+        places = len(text.partition(".")[2])
+        if places:
+            units.append(Fraction(1, 10**places))
+        else:
+            units.append(Fraction(0))
+    if on_belt:
+        units[2] = Fraction(0)
+    start["start_error"] = tuple(units)
+    return start
 
 
 def _text(value: Number, digits: int, context: Context) -> str:

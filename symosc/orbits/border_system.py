@@ -31,16 +31,16 @@ Where the motion loses its word, as it comes to rest or meets no belt, the borde
 from __future__ import annotations
 
 from cmath import phase
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from math import inf, pi
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from symosc.base.aliases import Number
+from symosc.base.aliases import Mpf, Number, Points
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import constants, derivatives
 from symosc.friction import NEIGHBOURS
@@ -63,6 +63,10 @@ DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
 FINE_DIGITS = 50
 NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
 POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters in lengths
+
+
+#: The unknowns of a border: x and theta of each switching, phases of zeros, and two parameters.
+Unknowns: TypeAlias = "Sequence[Number] | np.ndarray"
 
 
 class Zero(NamedTuple):
@@ -178,7 +182,9 @@ class BorderSystem:
 
     # -- the equations -----------------------------------------------------------------------------
 
-    def at(self, u: Any, digits: int | None = None) -> tuple[ClosingEquations, Any, Any]:
+    def at(
+        self, u: Unknowns, digits: int | None = None
+    ) -> tuple[ClosingEquations, Points, Unknowns]:
         """Return the closing equations, the switching points and the phases of extrema for the
         unknowns u.
         """
@@ -195,7 +201,7 @@ class BorderSystem:
         equations.pieces = self.pieces
         return equations, *self._split(u)
 
-    def _split(self, u: Any) -> tuple[Any, Any]:
+    def _split(self, u: Unknowns) -> tuple[Points, Unknowns]:
         """Return the switching points and the phases of extrema that the unknowns u contain."""
         n = 2 * self.n
         return list(zip(u[:n:2], u[1:n:2], strict=True)), u[n:-2]
@@ -209,14 +215,14 @@ class BorderSystem:
         """Return the orbit at scaled unknowns z."""
         return Orbit(self.word, self.periods, (z * self.scale)[: 2 * self.n].reshape(-1, 2))
 
-    def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
+    def residuals(self, u: Unknowns, digits: int | None = None) -> list[Number]:
         """Return what must be 0 at u: closing equations, then margins that vanish; in floats, or
         with `digits`.
         """
         equations, points, phases = self.at(u, digits)
         return equations.residuals(points) + self._zeros(equations, points, phases)
 
-    def _zeros(self, equations: ClosingEquations, points: Any, phases: Any) -> list[Number]:
+    def _zeros(self, equations: ClosingEquations, points: Points, phases: Unknowns) -> list[Number]:
         """Return the values that must vanish on the border besides the closing equations."""
         values = []
         left = list(phases)
@@ -254,18 +260,18 @@ class BorderSystem:
             matrix[:, j] = _slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j])
         return values, matrix
 
-    def fine_tangent(self, u: Sequence[Any]) -> np.ndarray:
+    def fine_tangent(self, u: Sequence[Mpf]) -> np.ndarray:
         """Return the border's unit tangent at the mpmath numbers u, in scaled unknowns, to nearly
         double precision.
         """
         step = u[0].context.mpf(10) ** -20
         (equations, _, _) = self.at(u, FINE_DIGITS)
 
-        def at_fixed_parameters(unknowns: Sequence[Any]) -> list[Number]:
+        def at_fixed_parameters(unknowns: Unknowns) -> list[Number]:
             points, phases = self._split(unknowns)
             return equations.residuals(points) + self._zeros(equations, points, phases)
 
-        def at_any(unknowns: Sequence[Any]) -> list[Number]:
+        def at_any(unknowns: Unknowns) -> list[Number]:
             return self.residuals(unknowns, FINE_DIGITS)
 
         values = np.array(at_any(u))
@@ -322,7 +328,9 @@ class BorderSystem:
                 before = size
         return None
 
-    def polish(self, z: np.ndarray, fixed: tuple[int, Any] | None = None) -> list[Number] | None:
+    def polish(
+        self, z: np.ndarray, fixed: tuple[int, Fraction] | None = None
+    ) -> list[Number] | None:
         """Return the root u in many digits; None if it is not found.
 
         `fixed` is the index of an unknown and the exact value that it keeps, for a system whose
@@ -468,7 +476,7 @@ class BorderSystem:
         return margins
 
     def _simple_zero_margins(
-        self, equations: ClosingEquations, points: Any, zero: Zero, theta: float, size: float
+        self, equations: ClosingEquations, points: Points, zero: Zero, theta: float, size: float
     ) -> Iterator[Condition]:
         """Yield the inequalities that hold as long as `zero` is a simple one; where one of them
         fails, the border ends.
@@ -535,18 +543,18 @@ class ClosedForm(BorderSystem):
         else:
             self.push = -1
 
-    def _numbers(self, u: Any, digits: int | None = None) -> Any:
+    def _numbers(self, u: Unknowns, digits: int | None = None) -> Any:
         """Return all parameters, with the values `u` of the plane's two, as floats or, with
         `digits`, in mpmath.
         """
         changed = dict(zip(self.names, u, strict=True))
         if digits is None:
             return OtherNumbers(self.given | changed)
-        return OtherNumbers(
-            by_name(self.fixed, lambda q: u[0].context.mpf(q.numerator) / q.denominator) | changed
-        )
+        first: Mpf = u[0]
+        fixed = by_name(self.fixed, lambda q: first.context.mpf(q.numerator) / q.denominator)
+        return OtherNumbers(fixed | changed)
 
-    def terms(self, u: Any, digits: int | None = None) -> tuple[Number, Number]:
+    def terms(self, u: Unknowns, digits: int | None = None) -> tuple[Number, Number]:
         """Return the two terms that are equal on the border; where the first is larger the motion
         has no word.
         """
@@ -556,7 +564,7 @@ class ClosedForm(BorderSystem):
         resisted = (p.k - p.m * p.Omega**2) ** 2 + (p.c * p.Omega) ** 2
         return self.up * p.belt(self.belt) * resisted**0.5, self.push * p.B0 * p.Omega
 
-    def residuals(self, u: Any, digits: int | None = None) -> list[Number]:
+    def residuals(self, u: Unknowns, digits: int | None = None) -> list[Number]:
         """Return what is 0 on the border, in a list: the difference of `terms`, or the speed of a
         belt at rest.
         """
@@ -618,7 +626,13 @@ class ClosedForm(BorderSystem):
         return Orbit(self.word, self.periods, points)
 
 
-def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: Any) -> np.ndarray:
+def _slope(
+    function: Callable[[Unknowns], list[Number]],
+    u: Unknowns,
+    values: np.ndarray,
+    j: int,
+    step: Number,
+) -> np.ndarray:
     """Return the difference quotient of `function` at u by u[j], with this step.
 
     `values` is function(u).
@@ -629,7 +643,7 @@ def _slope(function: Any, u: Sequence[Any], values: np.ndarray, j: int, step: An
 
 
 def extrema_of(
-    equations: ClosingEquations, points: Any, i: int, kind: str
+    equations: ClosingEquations, points: Points, i: int, kind: str
 ) -> list[tuple[Number, Number, int]]:
     """Return the extrema in piece i: from `clearances` if `kind` is that of a graze, else from
     `holding_forces`.
@@ -640,7 +654,7 @@ def extrema_of(
 
 
 def zero_values(
-    equations: ClosingEquations, points: Any, zero: Zero, theta: Number
+    equations: ClosingEquations, points: Points, zero: Zero, theta: Number
 ) -> list[Number]:
     """Return what is 0 where `zero` is: its margin and, if this has an extremum, of phase `theta`,
     its derivative.
@@ -717,7 +731,7 @@ def kind_of(condition: Condition) -> str:
 
 
 def zeros_of(
-    equations: ClosingEquations, points: Any, condition: Condition
+    equations: ClosingEquations, points: Points, condition: Condition
 ) -> list[tuple[Zero, list[float]]]:
     """Return each `Zero` that a condition near 0 can mean, with a list that has the phase of its
     extremum, if any.

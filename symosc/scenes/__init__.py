@@ -266,7 +266,7 @@ def _reduced_problem(original: Original) -> tuple[dict[str, Fraction], StartErro
     return numbers, known if any(known) else error
 
 
-def not_reduced_error(scene: Any) -> ParameterError:
+def not_reduced_error(scene: Scene) -> ParameterError:
     """Return the error that `scene` is of another model, for a function that cannot give results in
     its coordinates.
     """
@@ -274,7 +274,7 @@ def not_reduced_error(scene: Any) -> ParameterError:
         "must not be a scene of another model, as the results are not converted back to its "
         "coordinates; pass scene.reduced()"
     )
-    return ParameterError("scene", scene.name if isinstance(scene, Scene) else str(scene), allowed)
+    return ParameterError("scene", scene.name, allowed)
 
 
 def start_numbers(

@@ -192,10 +192,9 @@ def read_start(scene: Scene | Parameters, arguments: dict[str, Any], start_error
 
     Refuse a scene of another model.
     """
-    start, original = read_problem(scene, arguments, start_error)
-    if original is not None:
+    if isinstance(scene, Scene) and scene.original is not None:
         raise not_reduced_error(scene)
-    return start
+    return read_problem(scene, arguments, start_error)[0]
 
 
 def read_problem(
