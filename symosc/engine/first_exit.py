@@ -1147,38 +1147,45 @@ def exit_begin(force, side, low, high, Delta, s, c, held, belt, K):
     sine and cosine, and the bracket.
     """
     # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, is often
-    # nearer to the root. Lanes call this too, so it has no branch.
+    # nearer to the root.
+    tau = low
     over = force + Delta
-    sine = select(side * K.fB < 0.0, 1.0, -1.0)
+    if side * K.fB < 0.0:
+        sine = 1.0
+    else:
+        sine = -1.0
     inflection = wrap_phase(0.5 * sine * PI - held.theta) / K.Om
-    between = (K.driven != 0) & (low < inflection) & (inflection < high)
-    there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
-    better = between & (abs(there) < abs(over))
-    tau = select(better, inflection, low)
-    over = select(better, there, over)
-    s = select(better, sine + 0.0 * c, s)
-    c = select(better, 0.0 * c, c)
-    beyond = side * there > 0.0
-    new_low = select(beyond, low, inflection)
-    new_high = select(beyond, inflection, high)
-    return tau, over, s, c, select(between, new_low, low), select(between, new_high, high)
+    if K.driven and low < inflection < high:
+        there = stick_acceleration(force, belt.v, inflection, -held.c, K.w0sq, K.f0)
+        if abs(there) < abs(over):
+            tau = inflection
+            over = there
+            s = sine + 0.0 * c
+            c = 0.0 * c
+        if side * there > 0.0:
+            high = inflection
+        else:
+            low = inflection
+    return tau, over, s, c, low, high
 
 
 def parabola_step(over, slope, bend, third, side, width):
     """Return the step to the root of the parabola through `over` with `slope` and `bend`, corrected
     for the `third` derivative; `width` if it has none on this side.
     """
-    # Lanes call this too, so it has no branch; FAR stands where there is nothing to divide by.
     square = slope * slope - 2.0 * over * bend
-    is_real = square > 0.0
-    root = sqrt(select(is_real, square, 0.0 * square))
-    steepness = select(is_real, side * slope + root, 0.0 * square)
-    is_ahead = steepness > 0.0
-    step = select(is_ahead, -2.0 * over * side / select(is_ahead, steepness, FAR), width)
+    if square > 0.0:
+        steepness = side * slope + sqrt(square)
+    else:
+        steepness = 0.0 * square
+    if steepness > 0.0:
+        step = -2.0 * over * side / steepness
+    else:
+        step = width
     incline = slope + (bend + 0.5 * third * step) * step
-    is_steep = is_ahead & (side * incline > 0.0)
-    correction = SIXTH * third * step * step * step / select(is_steep, incline, FAR)
-    return select(is_steep, step - correction, step)
+    if steepness > 0.0 and side * incline > 0.0:
+        step = step - SIXTH * third * step * step * step / incline
+    return step
 
 
 def is_beside(over, slope, bend, K):

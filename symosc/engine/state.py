@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 from collections.abc import Iterator
-from operator import attrgetter
+from operator import attrgetter, itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -102,9 +102,6 @@ class Row(np.void):  # type: ignore[misc]  # numpy's stubs call its base final; 
 
     __slots__ = ()
 
-    def __getattr__(self, name: str) -> Any:
-        return self[name]
-
     def __setattr__(self, name: str, value: Any) -> None:
         self[name] = value
 
@@ -123,6 +120,10 @@ def names_of_numbers(kind: Any, nested: dict[str, Any]) -> Iterator[str]:
 TUPLES_IN_FOLLOWED = {"state": State, "S": Covariance}
 NUMBERS_OF_STATE = tuple(names_of_numbers(State, TUPLES_IN_FOLLOWED))
 NUMBERS_OF_FOLLOWED = tuple(names_of_numbers(Followed, TUPLES_IN_FOLLOWED))
+# Properties, as `__getattr__` is called only after numpy has looked for an attribute in vain, which
+# takes ten times as long.
+for _name in NUMBERS_OF_FOLLOWED:
+    setattr(Row, _name, property(itemgetter(_name)))
 #: The numbers of a State as a tuple, by one call, and the numbers of a row as a named tuple.
 numbers_of_state = attrgetter(
     *(f"S.{name}" if name in Covariance._fields else name for name in NUMBERS_OF_STATE)
