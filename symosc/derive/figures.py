@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from symosc.model import PARAMETER_NAMES
 from symosc.scenes import load_scene
 from symosc.simulation.simulate import simulate
 
@@ -52,11 +53,7 @@ def stick_exits(axes: Axes) -> None:
     """Draw the accelerations on both sides of belt 2 during the stick of the paper's Fig. 6."""
     scene = load_scene("fig6")
     until = next(event.t for event in simulate(scene).events if event.kind == "slip")
-    p = {
-        name: float(value)
-        for name, value in vars(scene.parameters).items()
-        if not name.startswith("_")
-    }
+    p = {name: float(getattr(scene.parameters, name)) for name in PARAMETER_NAMES}
     t = np.linspace(0, 1.25 * until, 200)
     x = float(scene.x0) + p["v2"] * t
     shared = (p["A0"] + p["B0"] * np.cos(p["Omega"] * t) - p["k"] * x - p["c"] * p["v2"]) / p["m"]
