@@ -81,47 +81,50 @@ def check(
     """
     solver, t_end, report = (how.pop(name) for name in ("solver", "t_end", "report"))
     if report is not None and not report.lower().endswith((".html", ".htm")):
-        raise click.BadParameter(
-            f"{report!r}: a page's name must end in .html", param_hint="--report"
-        )
-    asked: Any = scene
-    if case is None and scene is None and len(files) >= (1 if solver else 2):
-        asked, *files = files  # the first word is the scene
+        what = f"{report!r}: a page's name must end in .html"
+        raise click.BadParameter(what, param_hint="--report")
+    least = 1 if solver else 2
+    if case is None and scene is None and len(files) >= least:
+        scene, *files = files  # the first word is the scene
+    lacks_scene = "give SCENE FILE, FILE --scene SCENE, or FILE --case NAME"
     options.refuse(
         (case is not None and scene is not None, "give --scene or --case, not both"),
-        (
-            case is None and asked is None,
-            "give SCENE FILE, FILE --scene SCENE, or FILE --case NAME",
-        ),
+        (case is None and scene is None, lacks_scene),
         (solver is not None and files, "give files or --solver, not both"),
         (solver is None and not files, "give a file of samples, or --solver MODULE:FUNCTION"),
     )
-    if case is not None:
-        from symosc.reference.cases import reference_case
-
-        asked = reference_case(case).scene
-    from symosc.crosschecks.solver_runs import run_solver
-
-    problem = options.scene_with(asked, settings, t_end=t_end)
+    problem = options.scene_with(_named(scene, case), settings, t_end=t_end)
     limits = {name: value for name, value in how.items() if value is not None}
     limits["columns"] = options.split_columns(limits.get("columns"), ("t", "x", "v", "id"))
-    if len(files) == 1:
-        source: Any = files[0]
-    elif solver is None:
-        source = files
-    else:
-        source = run_solver(solver, problem)
+    source = _solutions(files, solver, problem)
     result = symosc.crosscheck(problem, source, progress=True, **limits)
     for path, hint in ((picture, "--output"), (report, "--report")):
         if path is not None and isinstance(result, list):
-            raise click.BadParameter(
-                f"shows one solution, and there are {len(result)}", param_hint=hint
-            )
+            what = f"shows one solution, and there are {len(result)}"
+            raise click.BadParameter(what, param_hint=hint)
     output.draw(picture, lambda: result.plot())
     if report is not None:
         result.to_html(report)
     output.report(result.as_dict, lambda: output.write(result.summary()))
     return int(not result.ok)
+
+
+def _named(scene: Text, case: Text) -> Any:
+    """Return the name of the scene, or the scene of the reference case."""
+    if case is None:
+        return scene
+    from symosc.reference.cases import reference_case
+
+    return reference_case(case).scene
+
+
+def _solutions(files: Sequence[str], solver: Text, problem: Any) -> Any:
+    """Return what is to be checked: a file, several, or what a solver returns for the problem."""
+    from symosc.crosschecks.solver_runs import run_solver
+
+    if solver is not None:
+        return run_solver(solver, problem)
+    return files[0] if len(files) == 1 else files
 
 
 @click.command()
@@ -211,22 +214,19 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, plot: Text) ->
     from symosc.reference.score import SCORE_TOLERANCE, as_text, read_tolerance
     from symosc.reference.score import score as judge
 
-    if tolerance is None:
-        limit = SCORE_TOLERANCE
-    else:
-        limit = read_tolerance(tolerance)
+    limit = SCORE_TOLERANCE if tolerance is None else read_tolerance(tolerance)
     version, cases = read_set(folder)
     names = {case.name for case in cases}
-    short = [Path(each).stem or each for each in results]
+    short = [Path(path).stem or path for path in results]
     titles = [
-        name if short.count(name) == 1 else each for name, each in zip(short, results, strict=True)
+        name if short.count(name) == 1 else path for name, path in zip(short, results, strict=True)
     ]
     scores = [
-        judge(name, cases, read_results(each, names), limit)
-        for name, each in zip(titles, results, strict=True)
+        judge(title, cases, read_results(path, names), limit)
+        for title, path in zip(titles, results, strict=True)
     ]
     if plot is not None:
         output.draw(plot, symosc.plot.score_figure, scores)
-    data = {"set_version": version, "scores": [each.as_dict() for each in scores]}
+    data = {"set_version": version, "scores": [result.as_dict() for result in scores]}
     output.report(lambda: data, lambda: output.write(as_text(scores)))
-    return int(not all(each.ok for each in scores))
+    return int(not all(result.ok for result in scores))

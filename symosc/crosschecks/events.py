@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from symosc.crosschecks.match import in_order as in_order  # until score and bench use match_events
 from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.events import KIND_NAMES
 from symosc.friction import MODE_NAMES

@@ -55,7 +55,9 @@ def test_start_and_end_are_those_of_the_scene(tmp_path: Path, samples: Any) -> N
     assert run("fig9", other, "--partial", "--own-start").exit_code == 0
 
 
-@pytest.mark.parametrize("name", ["weak-spring-k-0", "late-start-t0-1e8-fig9"])
+@pytest.mark.parametrize(
+    "name", ["late-start-t0-1e8-fig9", pytest.param("weak-spring-k-0", marks=pytest.mark.slow)]
+)
 def test_a_reference_case_is_taken_by_its_name(name: str, tmp_path: Path) -> None:
     (case,) = (each for each in reference_cases() if each.name == name)
     motion = simulate(case.scene)

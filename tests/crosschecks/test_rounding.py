@@ -143,7 +143,7 @@ def test_what_rounding_hid() -> None:
 
 
 def test_the_global_tolerance_is_obeyed_beside_the_rounding() -> None:
-    t = np.linspace(0, 40, 2_001)
+    t = np.linspace(0, 40, 801)
     x, v = np.round(np.array(simulate("fig5")(t)) + [[3e-3], [0]] * np.minimum(t, 1), 4)
     assert not strict("fig5", t, x, v).ok
     for tolerance in (1e-12, 1e-4):

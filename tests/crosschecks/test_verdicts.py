@@ -106,7 +106,16 @@ def test_a_motion_at_rest_has_units() -> None:
 # -- positions alone -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["fig5", "fig6", "fig7", "fig8", "fig9", "fig10"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "fig7",
+        *(
+            pytest.param(name, marks=pytest.mark.slow)
+            for name in ("fig5", "fig6", "fig8", "fig9", "fig10")
+        ),
+    ],
+)
 def test_positions_at_any_spacing(name: str) -> None:
     """Positions of the exact motion, as close together at its events as the steps of scipy's
     solve_ivp.
@@ -147,7 +156,7 @@ def test_a_position_just_before_the_first_stick(before: float) -> None:
     assert len(check.t) == len(t)
 
 
-@pytest.mark.parametrize("method", ["DOP853", "RK23"])
+@pytest.mark.parametrize("method", ["DOP853", pytest.param("RK23", marks=pytest.mark.slow)])
 def test_positions_at_the_steps_of_scipy(method: str) -> None:
     """Not those of LSODA, whose steps at a switch may become so short that it never ends."""
     scene = load_scene("fig9")
@@ -364,7 +373,7 @@ def test_the_work_of_a_verdict_grows_with_the_samples_alone(
     assert len(looked) == len(explained) == 2
 
 
-@pytest.mark.parametrize("count", [500, 4_000])
+@pytest.mark.parametrize("count", [500, pytest.param(4_000, marks=pytest.mark.slow)])
 def test_positions_of_no_motion_are_not_fitted_for_long(
     count: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
