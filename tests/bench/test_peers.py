@@ -56,7 +56,7 @@ def test_solvers_say_what_they_are() -> None:
         assert pickle.loads(pickle.dumps(solver)).name == solver.name  # runs in another process
 
 
-# -- the event logic ---------------------------------------------------------------------------------------------------
+# -- the event logic -------------------------------------------------------------------------------
 
 
 def test_the_phase_at_a_late_origin_has_all_digits() -> None:
@@ -90,7 +90,7 @@ def test_a_force_that_vanishes_up_to_rounding(seed: int) -> None:
     assert resolve(q, 1, t, x) == (2 if growing else 4)
 
 
-# -- integrators called from Python ------------------------------------------------------------------------------------
+# -- integrators called from Python ----------------------------------------------------------------
 
 
 @pytest.mark.quick(4)
@@ -123,7 +123,7 @@ def test_integrators_in_their_traps(solver: Solver) -> None:
     )  # the last bit of 1e10 is 2e-6
 
 
-# -- compiled solvers --------------------------------------------------------------------------------------------------
+# -- compiled solvers ------------------------------------------------------------------------------
 
 #: Scenes that compiled solvers follow to the last digits, at their finest tolerance.
 EASY_SCENES = {name: load_scene(name) for name in ("fig5", "fig6", "fig9", "fig10")}
@@ -179,11 +179,11 @@ def test_batches_of_others_count_what_we_count(name: str, peer: str) -> None:
     ours = simulate_many(
         scene.parameters, starts, starts[:, 0] + 20, record=("events",), use_numba=False
     ).events
+    durations = np.full(21, 20.0)
     if peer == "heyoka":
-        count_many, points = (peers_heyoka.count_many, [])
+        run = peers_heyoka.count_many(scene.parameters, starts, durations, 2e-13)
     else:
-        count_many, points = (peers_scan.count_many, [2000])
-    run = count_many(scene.parameters, starts, np.full(21, 20.0), *points, 2e-13)
+        run = peers_scan.count_many(scene.parameters, starts, durations, 2000, 2e-13)
     for _ in range(2):
         assert run().tolist() == ours.tolist()
 

@@ -38,7 +38,7 @@ from symosc.reference.cases import (
 )
 from symosc.reference.folder import exact_text
 
-# -- sets --------------------------------------------------------------------------------------------------------------
+# -- sets ------------------------------------------------------------------------------------------
 
 
 CASES = {case.name: case for case in reference_cases()}
@@ -234,7 +234,7 @@ def test_the_page_about_the_set_counts_right() -> None:
     assert counts[f"hard cases, {len(hard)} groups"] == len(hard_cases())
 
 
-# -- hard cases --------------------------------------------------------------------------------------------------------
+# -- hard cases ------------------------------------------------------------------------------------
 
 
 @pytest.mark.quick(5)
@@ -317,7 +317,7 @@ def test_long_runs_end_with_the_orbit() -> None:
     assert 0 < case.scene.t_end - Fraction(float(last.t)) < Fraction(1)
 
 
-# -- case --------------------------------------------------------------------------------------------------------------
+# -- case ------------------------------------------------------------------------------------------
 
 
 def test_what_is_not_proven_is_between_decimals_too() -> None:
@@ -371,7 +371,7 @@ def test_a_very_long_run_has_the_events_of_its_last_period() -> None:
             assert Fraction(low) <= Fraction(value.context.nstr(value, 48)) <= Fraction(high)
 
 
-# -- condition ---------------------------------------------------------------------------------------------------------
+# -- condition -------------------------------------------------------------------------------------
 
 
 def in_many_digits(scene: Scene, digits: int) -> Any:

@@ -26,7 +26,7 @@ from symosc.reference.folder import SET_FORMAT, checksum, exact_text, read_set, 
 from symosc.reference.results import GivenEvent, read_results
 from symosc.reference.score import SCORE_TOLERANCE
 
-# -- folder ------------------------------------------------------------------------------------------------------------
+# -- folder ----------------------------------------------------------------------------------------
 
 
 def rows(path: Path) -> list[dict[str, str]]:
@@ -222,7 +222,7 @@ def test_numbers_read_back_exactly(value: Fraction) -> None:
     assert Fraction(exact_text(value)) == value
 
 
-# -- results -----------------------------------------------------------------------------------------------------------
+# -- results ---------------------------------------------------------------------------------------
 
 
 NAMES = {"one", "two"}
