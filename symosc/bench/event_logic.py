@@ -50,8 +50,8 @@ MOST_DERIVATIVES = 5
 #: are in proportion (1e-12 costs two digits in fig8); from the belt itself, some flights come back
 #: at once for ever.
 ONE_STEP_OFFSET = 1e-15
-#: Steps per period at least. With 4, coarse tolerances lose events of fig8; with more than 8, fine
-#: ones gain nothing.
+#: Steps per period at least. With 4, DOP853 of scipy at 1e-4 loses 8 of the 18 events of fig8 up to
+#: t = 20, with 8 none; with more than 8, fine tolerances gain nothing.
 STEPS_PER_PERIOD = 8
 #: atol by rtol. With atol = rtol the same error costs the same.
 ATOL = 1e-3

@@ -39,7 +39,9 @@ def words(events: Sequence[Any]) -> list[tuple[str, int]]:
 
 
 def error(found: Sequence[Any], exact: Sequence[Any]) -> float:
-    """Return the largest error of a time or position, after the events have been found to be the same."""
+    """Return the largest error of a time or position, after the events have been found to be the
+    same.
+    """
     assert words(found) == words(exact)
     pairs = list(zip(found, exact, strict=True))
     return float(
@@ -82,7 +84,9 @@ def test_what_follows_at_a_boundary() -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_force_that_vanishes_up_to_rounding(seed: int) -> None:
-    """On the set where F^(2) = 0 on belt 1 the motion leaves upward if F^(2) grows, else the belt takes it."""
+    """On the set where F^(2) = 0 on belt 1 the motion leaves upward if F^(2) grows, else the belt
+    takes it.
+    """
     q = problem(load_scene("fig8").parameters.replace(v1="-3.7"))
     t = random.Random(seed).uniform(0, 20)
     x = (q.A2 + q.swing * cos(q.Omega * t) - q.damping * q.v1) / q.stiffness
@@ -195,7 +199,9 @@ def test_simulate_with_digits_is_followed_as_far_as_asked() -> None:
 
 @COMPILED
 def test_random_motions() -> None:
-    """No compiled solver is wrong in any of sixty motions but the coarse scan, which misses events of some."""
+    """No compiled solver is wrong in any of sixty motions but the coarse scan, which misses events
+    of some.
+    """
     rng = random.Random(5)
 
     def number(low: float, high: float) -> str:

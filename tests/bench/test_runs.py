@@ -175,7 +175,9 @@ def test_random_starts_are_followed_for_so_many_periods() -> None:
 
 
 def assert_same_figures(readme: str, page: str) -> None:
-    """All that stands between the README's marks, but the link at its end, is on the page of results."""
+    """All that stands between the README's marks, but the link at its end, is on the page of
+    results.
+    """
     block = readme.partition("<!-- results: begin -->\n")[2].partition("<!-- results: end -->")[0]
     figures = block.partition("[All calls")[0]
     about, table, text = figures.strip().split("\n\n")
