@@ -82,7 +82,7 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text) ->
 
 
 def _measured(quick: bool, hard: bool) -> Record:
-    """Return the results of the hard cases or, unless `hard`, of speed and of work and precision."""
+    """Return the results of the hard cases or, unless `hard`, of speed, work and precision."""
     from symosc.bench import cases, speed, work
 
     result: Record = {"quick": quick}
