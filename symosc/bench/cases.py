@@ -37,6 +37,8 @@ from symosc.reference.cases import GROUPS, SET_VERSION, hard_cases, reference_ca
 from symosc.reference.results import CaseResult, GivenEvent
 from symosc.reference.score import SCORE_TOLERANCE, Score
 
+#: The first character of the note of a case that took longer than its limit.
+TOO_LONG = ">"
 #: Seconds of processor time for a case, the solver's preparation included.
 CASE_LIMIT = 4.0
 #: The error that symosc may have in a hard case, unless 100 units (condition * 1e-16) are more.
@@ -64,7 +66,9 @@ def run(
     # not keep the bound), ok, limit_s, skipped (solver: why it cannot run), machine.
     if solvers is None:
         solvers = all_solvers()
-    chosen = list(reference_cases() if cases is None else cases)
+    if cases is None:
+        cases = reference_cases()
+    chosen = list(cases)
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))
     jobs = [(i, answers_of, case) for i, case in enumerate(chosen)]
@@ -93,13 +97,7 @@ def run(
 
     hard = [i for i, case in enumerate(chosen) if case.group in GROUPS]
     ours = [judged(solver, hard, OUR_TOLERANCE) for solver in able if solver in OURS]
-    violations = [
-        f"{each.name}: {case.name}: {case.wrong[0] if case.wrong else case.note}"
-        for each in ours
-        for case in each.cases
-        if case.wrong
-        or (case.note and not case.note.startswith(">"))  # what took too long is left out
-    ]
+    violations = [violation for own in ours for violation in _violations(own)]
     return {
         "machine": machine(),
         "limit_s": limit,
@@ -109,6 +107,20 @@ def run(
         "ok": not violations,
         "violations": violations,
     }
+
+
+def _violations(own: Score) -> list[str]:
+    """Return a line for each case in which a solver of symosc's own did not keep the bound.
+
+    Cases that took too long are left out.
+    """
+    lines = []
+    for case in own.cases:
+        if case.wrong:
+            lines.append(f"{own.name}: {case.name}: {case.wrong[0]}")
+        elif case.note and not case.note.startswith(TOO_LONG):
+            lines.append(f"{own.name}: {case.name}: {case.note}")
+    return lines
 
 
 def answers_of(case: ReferenceCase) -> Record:
@@ -137,9 +149,11 @@ def _result(outcome: Outcome, limit: float) -> CaseResult:
     `limit` seconds.
     """
     if outcome.failure == HANG or (not outcome.failure and outcome.value is None):
-        return CaseResult(note=f"> {limit:g} s")
+        return CaseResult(note=f"{TOO_LONG} {limit:g} s")
+    if "chatters" in outcome.failure:
+        return CaseResult(note="chatters")
     if outcome.failure:
-        return CaseResult(note="chatters" if "chatters" in outcome.failure else "gives up")
+        return CaseResult(note="gives up")
     if not all(isfinite(row[0]) and isfinite(row[1]) for row in outcome.value):
         return CaseResult(note="not finite")
     rows = sorted(outcome.value, key=lambda row: row[:2])
@@ -152,25 +166,19 @@ def our_verdict(result: Record) -> str:
     """
     bound = "1e-12, or 100 * condition * 1e-16 where that is more"
     if result["violations"]:
-        return "\n".join([f"Not within {bound}:", *(f"  {each}" for each in result["violations"])])
+        lines = [f"  {violation}" for violation in result["violations"]]
+        return "\n".join([f"Not within {bound}:", *lines])
     parts = []
-    for each in result["ours"]:
-        errors = [
-            error
-            for case in each.given
-            for error in (case.error_t, case.error_x)
-            if error is not None
-        ]
-        if errors:
-            largest = f", largest error {max(errors):.0e}"
-        else:
-            largest = ""
-        absent = len(each.cases) - len(each.given)
+    for own in result["ours"]:
+        text = f"{own.name} {len(own.given)} of {len(own.cases)}"
+        errors = [error for case in own.given for error in (case.error_t, case.error_x)]
+        measured = [error for error in errors if error is not None]
+        if measured:
+            text += f", largest error {max(measured):.0e}"
+        absent = len(own.cases) - len(own.given)
         if absent:
-            unfinished = f", {absent} not finished"
-        else:
-            unfinished = ""
-        parts.append(f"{each.name} {len(each.given)} of {len(each.cases)}{largest}{unfinished}")
+            text += f", {absent} not finished"
+        parts.append(text)
     return f"Hard cases solved within {bound}: {'; '.join(parts)}."
 
 
@@ -192,18 +200,19 @@ def hard_summary(result: Record) -> str:
     rows = []
     for group, cases in score.by_group(scores[0].cases):
         if group in GROUPS:
-            cells = (
-                score.group_cell([case for case in each.cases if case.group == group])
-                for each in scores
-            )
+            cells = [
+                score.group_cell([case for case in of_solver.cases if case.group == group])
+                for of_solver in scores
+            ]
             rows.append([f"{group} ({len(cases)})", *cells, GROUPS[group]])
-    heads = ["group (cases)", *(each.name for each in scores), "what is hard"]
+    heads = ["group (cases)", *(of_solver.name for of_solver in scores), "what is hard"]
     return tabulate(rows, heads, tablefmt="github", disable_numparse=True)
 
 
 def as_json(result: Record) -> Record:
     """Return the result of `run` with its scores as dicts, so that it can be written as JSON."""
-    return result | {key: [each.as_dict() for each in result[key]] for key in ("scores", "ours")}
+    plain = {key: [scores.as_dict() for scores in result[key]] for key in ("scores", "ours")}
+    return result | plain
 
 
 def write(path: str | Path, result: Record, command: str) -> list[Path]:

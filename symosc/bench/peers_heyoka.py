@@ -158,9 +158,11 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
         p_now[:] = pars[mode]
         state[:] = start
         outcome = integrator.propagate_until(duration, max_steps=most)[0]
-        append = item = state = p_now = (
-            None  # the integrator owns the callbacks: they must not own it
-        )
+        # The integrator owns the callbacks: they must not own it.
+        append = None
+        item = None
+        state = None
+        p_now = None
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(rows)} events")
         return starmap(FoundEvent, rows)
@@ -201,7 +203,8 @@ def count_many(
             source = now[i]
             if source > 3:
                 boundary = source - 3
-                now[i] = mode = boundary + event - 1
+                mode = boundary + event - 1
+                now[i] = mode
                 v_now[i] = v_starts[boundary, mode]
                 parameters[i][:] = pars[mode]
                 return True
@@ -238,11 +241,10 @@ def count_many(
     drive = state[2].item
 
     def run() -> np.ndarray:
-        found = np.zeros(len(starts), np.int64)
+        totals = np.zeros(len(starts), np.int64)
         for first in range(0, len(starts), width):
-            rows = np.arange(first, first + width) % len(
-                starts
-            )  # the last batch begins again with the first motions
+            # The last batch begins again with the first motions.
+            rows = np.arange(first, first + width) % len(starts)
             theta = q.theta + q.Omega * starts[rows, 0]
             state[:] = (
                 starts[rows, 1],
@@ -256,10 +258,11 @@ def count_many(
                 counts[i] = 0
                 parameters[i][:] = pars[now[i]]
             integrator.propagate_until(durations[rows])
-            if any(each[0] != hy.taylor_outcome.time_limit for each in integrator.propagate_res):
+            outcomes = [motion[0] for motion in integrator.propagate_res]
+            if any(outcome != hy.taylor_outcome.time_limit for outcome in outcomes):
                 raise PeerError(f"heyoka: {integrator.propagate_res}")
-            found[rows] = counts
-        return found
+            totals[rows] = counts
+        return totals
 
     return run
 

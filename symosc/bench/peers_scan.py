@@ -195,7 +195,7 @@ def leave(q, s, mode, t, x, v, t_end):
 
 @lru_cache(maxsize=1)
 def compiled() -> Record:
-    """Return the functions of this module and of `event_logic` by name, compiled together by numba."""
+    """Return the functions of this module and of `event_logic`, compiled together by numba."""
     return compile_modules((event_logic, sys.modules[__name__]))
 
 

@@ -44,7 +44,8 @@ from symosc.scenes import Scene
 INTEGRATOR_OFFSET = 1e-14
 #: The offset of LSODA as a part of rtol. A multistep method starts with order 1, so its first steps
 #: away from the belt are wrong by as much as rtol allows; closer to the belt they are back at the
-#: start, for ever. `tests/bench/test_peers.py` (integrators in their traps) fails with less.
+#: start, for ever. With a tenth of it LSODA invents events in
+#: `tests/bench/test_peers.py::test_integrators_in_their_traps`.
 MULTISTEP_OFFSET = 0.1
 State = Sequence[float]
 #: On which sides a mode can be left.

@@ -26,10 +26,10 @@ def check(readme: str | Path) -> str:
     """
     try:
         text = Path(readme).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise OutputError(
-            str(readme), getattr(error, "strerror", None) or "is not UTF-8 text"
-        ) from None
+    except OSError as error:
+        raise OutputError(str(readme), error.strerror or str(error)) from None
+    except UnicodeDecodeError:
+        raise OutputError(str(readme), "is not UTF-8 text") from None
     if not os.access(readme, os.W_OK):
         raise OutputError(str(readme), "Permission denied")
     return _replaced(text, "", readme)
@@ -40,7 +40,7 @@ def _replaced(text: str, content: str, readme: str | Path) -> str:
 
     OutputError if it lacks them.
     """
-    # the first may say more before it closes
+    # The first mark may say more before it closes.
     begin = "<!-- results: begin"
     end = "<!-- results: end -->"
     pattern = re.compile(rf"({re.escape(begin)}[^>]*-->\n).*?({re.escape(end)})", re.DOTALL)
@@ -73,10 +73,8 @@ def write(readme: str | Path, result: Record) -> list[Path]:
         speed.brief(result["speed"]),
         comparison(result),
     ]
-    brief = (
-        "\n\n".join(parts)
-        + f"\n[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).\n"
-    )
+    link = f"[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md)."
+    brief = "\n\n".join(parts) + f"\n{link}\n"
     return [write_text(readme, _replaced(text, brief, readme)), *files]
 
 
@@ -85,48 +83,48 @@ def comparison(result: Record) -> str:
     own error bound.
     """
     rows = result["work_precision"]["rows"]
-    text = " ".join(
-        [_heyoka_sentence(rows), *_loose_sentences(rows), cases.our_verdict(result["scores"])]
-    )
-    return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
+    verdict = cases.our_verdict(result["scores"])
+    return _filled(" ".join([_heyoka_sentence(rows), *_loose_sentences(rows), verdict]))
 
 
 def overview(result: Record) -> str:
     """Return the first page of the results, an overview with links to all others, as Markdown."""
     measured = result["work_precision"]
-    return f"""\
-# Results
+    parts = [
+        "# Results",
+        f"Written by one run of `{_command_text(result)}`.",
+        "## Speed and error",
+        speed.measurement_note(result["speed"]),
+        speed.table(result["speed"], "github"),
+        comparison(result),
+        "## Work and precision",
+        _filled(
+            f"Every solver follows the same scenes ({sentence(measured['machine'])}). Time is per "
+            f"event, calls repeated, the first one apart; errors are {work.ERRORS}, against "
+            f"{REFERENCE_DIGITS} digits."
+        ),
+        "![Error against time per event, one panel per scene, one curve per solver; symosc is the "
+        "black star.](work_precision.svg)",
+        _filled(
+            "Each solver at the tolerance that served it best: its time as a multiple of ours, its "
+            "error, and the events that it missed or invented. [All tolerances, and what "
+            "precautions the solvers need](work_precision.md)."
+        ),
+        work.summary(measured),
+        "## Hard cases",
+        _filled(
+            "In how many cases of a group a solver is right, and its largest error in those, in "
+            "units of condition * 1e-16, which is what rounding the problem's numbers to doubles "
+            "does. [What counts as right, and all cases](scores.md)."
+        ),
+        cases.hard_summary(result["scores"]),
+    ]
+    return "\n\n".join(parts) + "\n"
 
-Written by one run of `{_command_text(result)}`.
 
-## Speed and error
-
-{speed.measurement_note(result["speed"])}
-
-{speed.table(result["speed"], "github")}
-
-{comparison(result)}
-
-## Work and precision
-
-Every solver follows the same scenes ({sentence(measured["machine"])}). Time is per event, calls repeated, the first one
-apart; errors are {work.ERRORS}, against {REFERENCE_DIGITS} digits.
-
-![Error against time per event, one panel per scene, one curve per solver; symosc is the black star.]\
-(work_precision.svg)
-
-Each solver at the tolerance that served it best: its time as a multiple of ours, its error, and the events that it
-missed or invented. [All tolerances, and what precautions the solvers need](work_precision.md).
-
-{work.summary(measured)}
-
-## Hard cases
-
-In how many cases of a group a solver is right, and its largest error in those, in units of condition * 1e-16, which is
-what rounding the problem's numbers to doubles does. [What counts as right, and all cases](scores.md).
-
-{cases.hard_summary(result["scores"])}
-"""
+def _filled(text: str) -> str:
+    """Return a paragraph in lines of at most 120 columns."""
+    return fill(" ".join(text.split()), 120, break_long_words=False, break_on_hyphens=False)
 
 
 def _heyoka_sentence(rows: list[Record]) -> str:
@@ -146,28 +144,33 @@ def _heyoka_sentence(rows: list[Record]) -> str:
 
 
 def _loose_sentences(rows: list[Record]) -> list[str]:
-    """Return sentences about the scenes on which a looser accuracy more than halves symosc's time."""
+    """Return sentences about scenes on which a looser accuracy more than halves symosc's time."""
     ours: dict[str, list[Record]] = {}
     for row in rows:
         if row["solver"] == OURS[0].name and row["us_per_event"]:
             ours.setdefault(row["scene"], []).append(row)
-    found = [
+    sentences = []
+    for scene, by_accuracy in ours.items():
+        loose = by_accuracy[0]
+        fine = by_accuracy[-1]
+        if loose["us_per_event"] < 0.5 * fine["us_per_event"]:
+            less = work.rounded(loose["us_per_event"], 2)
+            more = work.rounded(fine["us_per_event"], 2)
+            sentences.append(
+                f"{scene} takes {more} µs per event with an error of {fine['error']:.0e}, and with "
+                f"`accuracy={loose['tolerance']:g}` {less} µs with {loose['error']:.0e}."
+            )
+    if not sentences:
+        return []
+    about = (
         f"When double precision cannot keep the error below {ACCURACY:g}, symosc switches to "
         "higher precision, which is slower:"
-    ]
-    for scene, (loose, *_, fine) in (
-        (scene, each) for scene, each in ours.items() if len(each) > 1
-    ):
-        if loose["us_per_event"] < 0.5 * fine["us_per_event"]:
-            less, more = (work.rounded(row["us_per_event"], 2) for row in (loose, fine))
-            found.append(
-                f"{scene} takes {more} µs per event with an error of {fine['error']:.0e}, and with"
-            )
-            found.append(f"`accuracy={loose['tolerance']:g}` {less} µs with {loose['error']:.0e}.")
-    if len(found) > 1:
-        return found
-    return []
+    )
+    return [about, *sentences]
 
 
 def _command_text(result: Record) -> str:
-    return f"symosc bench {'--quick ' if result['quick'] else ''}--results README.md"
+    """Return the command that writes the results."""
+    if result["quick"]:
+        return "symosc bench --quick --results README.md"
+    return "symosc bench --results README.md"

@@ -69,13 +69,15 @@ class Solver:
     it needs.
     """
 
-    name: str  # in tables and plots
+    #: Its name in tables and plots.
+    name: str
     prepare: Prepare
-    tolerances: tuple[
-        float, ...
-    ]  # of a work-precision curve, coarse to fine; 0.0 alone for a solver without one
-    needs: str = ""  # the module that must be importable, "" if it comes with symosc
-    note: str = ""  # its precautions
+    #: Those of a work-precision curve, coarse to fine; 0.0 alone for a solver without one.
+    tolerances: tuple[float, ...]
+    #: The module that must be importable, "" if it comes with symosc.
+    needs: str = ""
+    #: Its precautions.
+    note: str = ""
 
     @property
     def missing(self) -> str:
@@ -107,9 +109,8 @@ def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[FoundEve
     digits = max(5, len(f"{1 / tolerance:.0f}") - 1)
 
     def run() -> list[FoundEvent]:
-        events = simulate(
-            scene, digits=digits, max_events=10**9
-        ).events  # as many as the time limit allows
+        # As many events as the time limit allows.
+        events = simulate(scene, digits=digits, max_events=10**9).events
         return [
             FoundEvent(float(event.t), float(event.x), event.kind, event.boundary)
             for event in events
@@ -129,13 +130,11 @@ OURS = (
 @lru_cache(maxsize=1)
 def all_solvers() -> tuple[Solver, ...]:
     """Return symosc's own solvers, then those of all modules peers_* in this package."""
-    names = [
-        each.name for each in pkgutil.iter_modules(bench.__path__) if each.name.startswith("peers_")
-    ]
-    return (
-        *OURS,
-        *(solver for name in names for solver in import_module(f"symosc.bench.{name}").SOLVERS),
-    )
+    solvers = list(OURS)
+    for module in pkgutil.iter_modules(bench.__path__):
+        if module.name.startswith("peers_"):
+            solvers += import_module(f"symosc.bench.{module.name}").SOLVERS
+    return tuple(solvers)
 
 
 # -- calls with a time limit -----------------------------------------------------------------------
@@ -222,10 +221,11 @@ def processor_limit(seconds: float) -> Iterator[None]:
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
-    except (
-        SystemError
-    ) as error:  # what an exception becomes that is raised while compiled code runs
-        raise late if late in (error.__cause__, error.__context__) else error from None
+    except SystemError as error:
+        # An exception becomes this one where it is raised while compiled code runs.
+        if late in (error.__cause__, error.__context__):
+            raise late from None
+        raise
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.signal(signal.SIGPROF, before)
@@ -241,9 +241,8 @@ def _guarded(function: Callable[..., Any], arguments: tuple[object, ...]) -> Out
         except Exception as error:
             value = None
             failure = f"exception: {type(error).__name__}: {_first_line(error)}".removesuffix(": ")
-    return Outcome(
-        value, failure, tuple(dict.fromkeys(_first_line(each.message) for each in caught))
-    )
+    messages = dict.fromkeys(_first_line(warning.message) for warning in caught)
+    return Outcome(value, failure, tuple(messages))
 
 
 def _first_line(message: object) -> str:

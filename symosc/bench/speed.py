@@ -71,10 +71,10 @@ class Call(NamedTuple):
     what: str
     per: str
     action: Callable[[], Any]
-    units: float | None = None  # None: the events of the result
-    once: bool = (
-        False  # whether the first call is of interest; else a call is made before it is measured
-    )
+    #: None: the events of the result.
+    units: float | None = None
+    #: Whether the first call is of interest; else a call is made before it is measured.
+    once: bool = False
 
 
 class Group(NamedTuple):
@@ -83,6 +83,23 @@ class Group(NamedTuple):
     title: str
     calls: Iterable[Call]
     clock: Callable[[], float] = time.process_time
+
+
+class Sizes(NamedTuple):
+    """How large the tasks of the groups are: numbers of events, motions and points."""
+
+    events: int
+    starts: int
+    derivatives: int
+    single_events: int
+    stick_ends: int
+    stick_motions: int
+    points: int
+    sweep: int
+
+
+SIZES = Sizes(200_000, 10_000, 2_000, 100_000, 4, 100, 1_000_000, 300_000)
+QUICK_SIZES = Sizes(100_000, 2_000, 500, 10_000, 2, 20, 100_000, 4_000)
 
 
 def closed_form(count, h, w, Om, P, Q, R, S):
@@ -109,8 +126,8 @@ def compiled_closed_form() -> Callable[..., float]:
     """Return `closed_form`, compiled like the event loop."""
     import numba
 
-    made: Callable[..., float] = numba.njit(closed_form)
-    return made
+    function: Callable[..., float] = numba.njit(closed_form)
+    return function
 
 
 def floor_s() -> float:
@@ -135,26 +152,24 @@ def groups(quick: bool = False) -> Iterator[Group]:
 
     `quick`: with smaller tasks, and without compiling everything before.
     """
-    if not quick:
+    if quick:
+        sizes = QUICK_SIZES
+    else:
+        sizes = SIZES
         warm()
-    yield Group("One long motion, events counted", _long_motions(100_000 if quick else 200_000))
-    yield Group(f"Starts of fig9, {PERIODS} periods each", _ensemble(2_000 if quick else 10_000))
-    yield Group(
-        f"Derivatives, starts of fig9, {PERIODS} periods each",
-        _derivatives(500 if quick else 2_000),
-    )
-    yield Group("simulate", _single_motions(10_000 if quick else 100_000))
-    yield Group(
-        "fig8 in simulate_many, to t =", _shrinking_sticks(2 if quick else 4, 20 if quick else 100)
-    )
-    yield Group("Formulas", _residuals(100_000 if quick else 1_000_000))
-    yield Group("Orbits and windows", _orbits_and_windows(100_000 if quick else 1_000_000))
-    yield Group(
-        "Workers, time on the wall", _workers(2_000 if quick else 10_000), time.perf_counter
-    )
+    each_start = f"starts of fig9, {PERIODS} periods each"
+    yield Group("One long motion, events counted", _long_motions(sizes.events))
+    yield Group(each_start.capitalize(), _ensemble(sizes.starts))
+    yield Group(f"Derivatives, {each_start}", _derivatives(sizes.derivatives))
+    yield Group("simulate", _single_motions(sizes.single_events))
+    sticks = _shrinking_sticks(sizes.stick_ends, sizes.stick_motions)
+    yield Group("fig8 in simulate_many, to t =", sticks)
+    yield Group("Formulas", _residuals(sizes.points))
+    yield Group("Orbits and windows", _orbits_and_windows(sizes.points))
+    yield Group("Workers, time on the wall", _workers(sizes.starts), time.perf_counter)
     with TemporaryDirectory() as folder:
         if find_spec("xarray"):
-            yield Group("Sweep of x0 in fig9", _sweep(4_000 if quick else 300_000, folder))
+            yield Group("Sweep of x0 in fig9", _sweep(sizes.sweep, folder))
         yield Group("New process", _processes(quick, folder), time.perf_counter)
 
 
@@ -253,10 +268,9 @@ def _single_motions(most: int) -> Iterator[Call]:
 
 def _in_mpmath(scene: Scene, digits: int) -> None:
     """Follow a motion with mpmath's numbers throughout, also in the search for events."""
-    given = dict.fromkeys(("t0", "x0", "v0", "t_end"))
-    motion = Motion(
-        read_start(scene, given, None), MpArithmetic(scene.parameters, digits, fast=False)
-    )
+    of_scene = dict.fromkeys(("t0", "x0", "v0", "t_end"))
+    arithmetic = MpArithmetic(scene.parameters, digits, fast=False)
+    motion = Motion(read_start(scene, of_scene, None), arithmetic)
     while not motion.ended:
         motion.step()
 
@@ -264,12 +278,13 @@ def _in_mpmath(scene: Scene, digits: int) -> None:
 def _shrinking_sticks(ends: int, motions: int) -> Iterator[Call]:
     scene = load_scene("fig8")
     for t_end in (9, 27, 60, 200)[:ends]:
-        starts = [(scene.t0, scene.x0, scene.v0)] * (
-            motions if t_end < 30 else max(motions // 20, 1)
-        )
-        yield Call(
-            str(t_end), "event", partial(simulate_many, scene.parameters, starts, t_end, **ONE_CORE)
-        )
+        if t_end < 30:
+            count = motions
+        else:
+            count = max(motions // 20, 1)
+        starts = [(scene.t0, scene.x0, scene.v0)] * count
+        follow = partial(simulate_many, scene.parameters, starts, t_end, **ONE_CORE)
+        yield Call(str(t_end), "event", follow)
 
 
 def _residuals(points: int) -> Iterator[Call]:
@@ -321,8 +336,8 @@ def lambdified(p: Parameters, cse: bool) -> Callable[..., Any]:
     formulas = [flow.x.xreplace(start) - maps.x_j, flow.v.xreplace(start) - maps.v_j]
     formulas = [formula.xreplace(numbers).subs(solution.tau, tau) for formula in formulas]
     arguments = (solution.x_i, solution.theta_i, maps.x_j, maps.theta_j)
-    made: Callable[..., Any] = sympy.lambdify(arguments, formulas, "numpy", cse=cse)
-    return made
+    function: Callable[..., Any] = sympy.lambdify(arguments, formulas, "numpy", cse=cse)
+    return function
 
 
 def _orbits_and_windows(points: int) -> Iterator[Call]:
@@ -394,7 +409,9 @@ def _processes(quick: bool, cache: str) -> Iterator[Call]:
         ("a first simulate_many, compiled loops in the cache", ("-c", many), {}),
         ("a first simulate_many, no cache", ("-c", many), {"NUMBA_CACHE_DIR": cache}),
     ]
-    for what, arguments, changes in commands[:3] if quick else commands:
+    if quick:
+        commands = commands[:3]
+    for what, arguments, changes in commands:
         options: Record = {"check": True, "capture_output": True, "env": os.environ | changes}
         yield Call(
             what,
@@ -416,10 +433,7 @@ def run(quick: bool = False, progress: Progress = iter) -> Record:
     # Keys: machine; floor_ns, one evaluation of the closed form; c_ns, the time of a counted event
     # of fig5; errors (`measure_errors`); groups, each with a title and rows: what, per (the unit),
     # s (seconds per unit), over_c, and over_first (as a multiple of the group's first row).
-    if quick:
-        repeats = 3
-    else:
-        repeats = 7
+    repeats = 3 if quick else 7
     measured = [_measured(group, repeats, progress) for group in groups(quick)]
     c = measured[0]["rows"][0]["s"]
     for row in (row for group in measured for row in group["rows"]):
@@ -443,21 +457,27 @@ def _measured(group: Group, repeats: int, progress: Progress) -> Record:
         begin = clock()
         result = call.action()
         first = clock() - begin
-        units.append(_events_of(result) if call.units is None else call.units)
-        lengths.append(first if call.once else max(_seconds(call.action, clock), 1e-6))
+        if call.units is None:
+            units.append(_events_of(result))
+        else:
+            units.append(call.units)
+        if call.once:
+            lengths.append(first)
+        else:
+            lengths.append(max(_seconds(call.action, clock), 1e-6))
     times: list[list[float]] = [[] for _ in calls]
     for turn in progress(range(repeats)):
-        for call, length, unit, each in zip(calls, lengths, units, times, strict=True):
+        for call, length, unit, of_call in zip(calls, lengths, units, times, strict=True):
             if call.once:
-                each.append(length / unit)
+                of_call.append(length / unit)
             elif not turn or length <= LONG:
                 count = min(20, 1 + int(SHORT / length))
-                each.append(min(_seconds(call.action, clock) for _ in range(count)) / unit)
-    ratios = [median(a / b for a, b in zip(each, times[0], strict=False)) for each in times]
-    rows = [
-        {"what": call.what, "per": call.per, "s": min(each), "over_first": ratio}
-        for call, each, ratio in zip(calls, times, ratios, strict=True)
-    ]
+                of_call.append(min(_seconds(call.action, clock) for _ in range(count)) / unit)
+    rows = []
+    for call, of_call in zip(calls, times, strict=True):
+        ratio = median(time / first for time, first in zip(of_call, times[0], strict=False))
+        row = {"what": call.what, "per": call.per, "s": min(of_call), "over_first": ratio}
+        rows.append(row)
     return {"title": group.title, "rows": rows}
 
 
@@ -535,13 +555,13 @@ BRIEF = (
 
 def brief(result: Record) -> str:
     """Return the README's speed table in Markdown, which has only the rows listed in BRIEF."""
-    found = {
+    measured = {
         (group["title"], row["what"]): row for group in result["groups"] for row in group["rows"]
     }
     rows = [
-        [f"{title}: {what}", _time_text(found[title, what])]
+        [f"{title}: {what}", _time_text(measured[title, what])]
         for title, what in BRIEF
-        if (title, what) in found
+        if (title, what) in measured
     ]
     return tabulate(
         rows, ["", "time"], tablefmt="github", disable_numparse=True, colalign=("left", "right")
@@ -549,24 +569,29 @@ def brief(result: Record) -> str:
 
 
 def _time_text(row: Record) -> str:
-    return duration(row["s"]) + ("" if row["per"] == "call" else f" per {row['per']}")
+    if row["per"] == "call":
+        return duration(row["s"])
+    return f"{duration(row['s'])} per {row['per']}"
 
 
 def table(result: Record, form: str = "simple") -> str:
     """Return the result of `run` as text, in a form of tabulate: a table of all groups, and one of
     errors.
     """
+    markdown = form == "github"
     rows = []
     for group in result["groups"]:
-        rows.append(
-            [f"**{group['title']}**" if form == "github" else f"{group['title']}:", "", "", ""]
-        )
+        if markdown:
+            title = f"**{group['title']}**"
+        else:
+            title = f"{group['title']}:"
+        rows.append([title, "", "", ""])
         for row in group["rows"]:
             ratios = (f"{float(f'{row[key]:.3g}'):g}" for key in ("over_first", "over_c"))
             rows.append([row["what"], _time_text(row), *ratios])
     errors = [
-        [each["scene"], each["events"], f"{each['error']:.1e}", f"{each['estimate']:.1e}"]
-        for each in result["errors"]
+        [row["scene"], row["events"], f"{row['error']:.1e}", f"{row['estimate']:.1e}"]
+        for row in result["errors"]
     ]
     heads = ["scene", "events compared", "largest error", "estimated error"]
     options: Record = {
@@ -574,14 +599,13 @@ def table(result: Record, form: str = "simple") -> str:
         "disable_numparse": True,
         "colalign": ("left", "right", "right", "right"),
     }
-    if form == "github":
-        parts = []
-    else:
-        parts = [measurement_note(result)]
+    parts = []
+    if not markdown:
+        parts.append(measurement_note(result))
     parts += [tabulate(rows, ["", "time", "times the group's first", "times c"], **options)]
     parts += [tabulate(errors, heads, **options)]
-    parts += [
-        f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to max(1, "
-        "|value|)."
-    ]
+    parts.append(
+        f"Errors of times and positions against {REFERENCE_DIGITS} digits, relative to "
+        "max(1, |value|)."
+    )
     return "\n\n".join(parts)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite, nan, pi
 from statistics import median
+from typing import Any
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -115,7 +116,7 @@ def measure(
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
     prepared = time.perf_counter()
-    found = follow()
+    events = follow()
     times = [prepared - begin, time.perf_counter() - prepared]
     if times[1] > LONG_CALL_PART * limit:
         least = 0
@@ -129,10 +130,10 @@ def measure(
         floors = [floor_s()]
     while len(floors) < least or (least and sum(times[2:]) < budget and len(floors) < MOST_REPEATS):
         again = time.perf_counter()
-        found = follow()
+        events = follow()
         times.append(time.perf_counter() - again)
         floors.append(floor_s())
-    return times, floors, [event for event in found if not event.t > until]
+    return times, floors, [event for event in events if not event.t > until]
 
 
 def run(
@@ -145,37 +146,47 @@ def run(
 
     `quick`: fewer scenes and runs.
     """
-    # `solvers` and `scenes` replace all; the numbers of a scene are the events of the short span, those to compare in
-    # the long span, and the events of the long span, as in SCENE_SPANS. Keys: machine; floor_ns, one closed-form
-    # evaluation; limit_s; skipped, solver: why it cannot run; notes, solver: its precautions; rows, one per
-    # scene, solver and tolerance, with
+    # `solvers` and `scenes` replace all; the numbers of a scene are the events of the short span,
+    # those to compare in the long span, and the events of the long span, as in SCENE_SPANS. Keys:
+    # machine; floor_ns, one closed-form evaluation; limit_s; skipped, solver: why it cannot run;
+    # notes, solver: its precautions; rows, one per scene, solver and tolerance, with
     #     scene, solver, tolerance;
     #     failure: "" or what went wrong; the numbers that are then not known are None;
-    #     prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the solver finished;
-    #     floor_ns, over_floor: the floor as it was then (the best), and the median time per event as its multiple;
+    #     prepare_s, first_call_s, times_s (all repeats), timed_events: of the longest span that the
+    #         solver finished;
+    #     floor_ns, over_floor: the floor as it was then (the best), and the median time per event
+    #         as its multiple;
     #     us_per_event: so many floors, as long as the best one of the run; over_ours: that by ours;
     #     error, error_t, error_x: over the short span, the same for all solvers, as in `compare`;
-    #     missed, invented, missed_grazes, first_wrong: as in `compare`, over the first `compared` events of the
-    #         longest span;
+    #     missed, invented, missed_grazes, first_wrong: as in `compare`, over the first `compared`
+    #         events of the longest span;
     #     warnings: what the solver warned of.
     if solvers is None:
         solvers = all_solvers()
-    chosen = scenes or (QUICK_SCENE_SPANS if quick else SCENE_SPANS)
     if quick:
         limit = QUICK_SPAN_LIMIT
         budget = QUICK_BUDGET
     else:
         limit = SPAN_LIMIT
         budget = BUDGET
+    if scenes:
+        chosen = scenes
+    elif quick:
+        chosen = QUICK_SCENE_SPANS
+    else:
+        chosen = SCENE_SPANS
     spans: dict[str, tuple[Span, Span]] = {}
     able = [solver for solver in solvers if not solver.missing]
+    tolerances = {solver: solver.tolerances for solver in able}
+    if quick:
+        for solver in able:
+            if solver != OURS[0]:
+                tolerances[solver] = solver.tolerances[-1:]
     plan = [
         (name, solver, tolerance)
         for name in chosen
         for solver in able
-        for tolerance in (
-            solver.tolerances[-1:] if quick and solver != OURS[0] else solver.tolerances
-        )
+        for tolerance in tolerances[solver]
     ]
     rows: list[Record] = []
     with Worker() as worker:
@@ -196,16 +207,14 @@ def run(
     unit = min((row["floor_ns"] for row in rows if row["floor_ns"]), default=nan)
     ours = {row["scene"]: row["over_floor"] for row in rows if row["solver"] == OURS[0].name}
     for row in rows:
-        own = row["over_floor"]
-        mine = ours.get(row["scene"])
-        if own and mine:
-            row["over_ours"] = own / mine
-        else:
-            row["over_ours"] = None
-        if own:
-            row["us_per_event"] = 1e-3 * unit * own
-        else:
-            row["us_per_event"] = None
+        over_floor = row["over_floor"]
+        of_ours = ours.get(row["scene"])
+        row["over_ours"] = None
+        row["us_per_event"] = None
+        if over_floor and of_ours:
+            row["over_ours"] = over_floor / of_ours
+        if over_floor:
+            row["us_per_event"] = 1e-3 * unit * over_floor
     return {
         "machine": machine(),
         "floor_ns": unit,
@@ -235,7 +244,9 @@ def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Sp
         return Span(cut, count, exact[:compared], until(exact, compared))
 
     first = span(short, short)
-    return first, first if short == long else span(long, compared)
+    if short == long:
+        return first, first
+    return first, span(long, compared)
 
 
 def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Record:
@@ -268,7 +279,7 @@ def _row_numbers(outcome: Outcome, span: Span) -> Record:
     about = {"compared": len(span.reference)}
     if outcome.failure:
         return about | dict.fromkeys((*TIME_KEYS, *ERROR_KEYS))
-    (prepared, first, *repeats), floors, found = outcome.value
+    (prepared, first, *repeats), floors, events = outcome.value
     times = repeats or [first]
     count = span.count
     multiple = median(a / b for a, b in zip(times, floors, strict=True)) / count
@@ -284,18 +295,17 @@ def _row_numbers(outcome: Outcome, span: Span) -> Record:
     return (
         about
         | dict(zip(TIME_KEYS, values, strict=True))
-        | compare(found, span.scene, span.reference)
+        | compare(events, span.scene, span.reference)
     )
 
 
-def compare(found: Iterable[FoundEvent], scene: Scene, exact: Sequence[Event]) -> Record:
+def compare(events: Sequence[FoundEvent], scene: Scene, exact: Sequence[Event]) -> Record:
     """Compare a solver's events with the exact ones of a scene: largest errors, and how many are
     missed or invented.
     """
     # Keys: error_t, error_x, error (the larger one; None if nothing can be compared), missed and
     # invented (numbers), missed_grazes (which do not count as missed), and first_wrong (the time of
     # the first missed or invented event).
-    events = list(found)
     finite = [event for event in events if isfinite(event.t) and isfinite(event.x)]
     theirs = sorted(finite, key=lambda event: event.t)
     matching = match_events(theirs, exact, WINDOW * 2 * pi / float(scene.parameters.Omega))
@@ -326,30 +336,32 @@ def table(result: Record, markdown: bool = False) -> str:
     """
     heads = ["solver", "tolerance", "time / ours", "us per event", "error"]
     heads += ["events", "missed", "invented", "what went wrong"]
+    align = ("left", *["right"] * 7, "left")
+    form = "github" if markdown else "simple"
     parts = []
     for scene in dict.fromkeys(row["scene"] for row in result["rows"]):
         rows = [_cells(row, result["limit_s"]) for row in result["rows"] if row["scene"] == scene]
-        if markdown:
-            form = "github"
-        else:
-            form = "simple"
-        align = ("left", *["right"] * 7, "left")
+        title = f"**{scene}**\n" if markdown else f"{scene}:"
         text = tabulate(rows, heads, tablefmt=form, disable_numparse=True, colalign=align)
-        parts += [f"**{scene}**\n" if markdown else f"{scene}:", text, ""]
-    parts.append(
+        parts += [title, text, ""]
+    parts += [_measurement_note(result), ""]
+    notes = dict(result["notes"])
+    for name, reason in result["skipped"].items():
+        notes[name] = f"skipped, {reason}"
+    bullet = "- " if markdown else ""
+    parts += [f"{bullet}{name}: {note}" for name, note in notes.items()]
+    return "\n".join(parts)
+
+
+def _measurement_note(result: Record) -> str:
+    """Return how times and errors are measured, in one line of text."""
+    return (
         "Times are measured in evaluations of the closed form, timed right after each call, and "
-        "given at the "
-        f"{result['floor_ns']:.1f} ns that the fastest one took: a machine may change its pace. "
-        "A call follows 10,000 "
-        "events if it goes on so for less than a second, else 24, of fig8 20, and what it costs "
-        "itself is included. "
+        f"given at the {result['floor_ns']:.1f} ns that the fastest one took: a machine may change "
+        "its pace. A call follows 10,000 events if it goes on so for less than a second, else 24, "
+        "of fig8 20, and what it costs itself is included. "
         f"Errors are {ERRORS}, against {REFERENCE_DIGITS} digits."
     )
-    notes = result["notes"] | {
-        name: f"skipped, {reason}" for name, reason in result["skipped"].items()
-    }
-    parts += ["", *(f"{'- ' if markdown else ''}{name}: {note}" for name, note in notes.items())]
-    return "\n".join(parts)
 
 
 def _cells(row: Record, limit: float) -> list[str]:
@@ -357,25 +369,25 @@ def _cells(row: Record, limit: float) -> list[str]:
 
     `limit` is the number of seconds to name where a solver hung.
     """
-    times = [
-        "" if row[name] is None else rounded(row[name], 3) for name in ("over_ours", "us_per_event")
-    ]
-    if row["error"] is None:
-        error = ""
-    else:
-        error = f"{row['error']:.1e}"
-    counts = [
-        "" if row[name] is None else str(row[name]) for name in ("compared", "missed", "invented")
-    ]
+
+    def text(name: str, form: Callable[[Any], str]) -> str:
+        if row[name] is None:
+            return ""
+        return form(row[name])
+
+    tolerance = f"{row['tolerance']:.0e}" if row["tolerance"] else ""
     failure = row["failure"]
     if failure.startswith(HANG):
         failure = failure.replace(HANG, f"hang: more than {limit:g} s", 1)
     return [
         row["solver"],
-        f"{row['tolerance']:.0e}" if row["tolerance"] else "",
-        *times,
-        error,
-        *counts,
+        tolerance,
+        text("over_ours", partial(rounded, digits=3)),
+        text("us_per_event", partial(rounded, digits=3)),
+        text("error", "{:.1e}".format),
+        text("compared", str),
+        text("missed", str),
+        text("invented", str),
         failure,
     ]
 
@@ -389,7 +401,10 @@ def best_rows(result: Record) -> dict[tuple[str, str], Record]:
     def badness(row: Record) -> tuple[float, ...]:
         if row["missed"] is None:
             return inf, inf
-        return row["missed"] + row["invented"], inf if row["error"] is None else row["error"]
+        wrong = row["missed"] + row["invented"]
+        if row["error"] is None:
+            return wrong, inf
+        return wrong, row["error"]
 
     best: dict[tuple[str, str], Record] = {}
     for row in result["rows"]:
@@ -402,27 +417,30 @@ def summary(result: Record) -> str:
     """Return a Markdown table of the solvers at their best: time as a multiple of ours, error, and
     what went wrong.
     """
-
-    def cell(row: Record) -> str:
-        if "chatters" in row["failure"]:
-            failure = "chatters"
-        else:
-            failure = row["failure"].partition(":")[0]
-        if row["us_per_event"] is None:
-            return failure
-        if row["over_ours"] is not None:
-            parts = [f"{rounded(row['over_ours'], 2)} ×"]
-        else:
-            parts = []
-        if row["error"] is not None:
-            parts += [f"{row['error']:.0e}"]
-        parts += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
-        return ", ".join([*parts, *[failure] * bool(failure)])
-
     best = best_rows(result)
-    solvers, scenes = (list(dict.fromkeys(key[i] for key in best)) for i in (0, 1))
-    rows = [[solver, *(cell(best[solver, scene]) for scene in scenes)] for solver in solvers]
+    solvers = list(dict.fromkeys(solver for solver, _ in best))
+    scenes = list(dict.fromkeys(scene for _, scene in best))
+    rows = [[solver, *(_best_text(best[solver, scene]) for scene in scenes)] for solver in solvers]
     return tabulate(rows, ["", *scenes], tablefmt="github", disable_numparse=True)
+
+
+def _best_text(row: Record) -> str:
+    """Return the best row of a solver on a scene as short text, such as "13 ×, 8e-16"."""
+    if "chatters" in row["failure"]:
+        failure = "chatters"
+    else:
+        failure = row["failure"].partition(":")[0]
+    if row["us_per_event"] is None:
+        return failure
+    parts = []
+    if row["over_ours"] is not None:
+        parts.append(f"{rounded(row['over_ours'], 2)} ×")
+    if row["error"] is not None:
+        parts.append(f"{row['error']:.0e}")
+    parts += [f"{name} {row[name]}" for name in ("missed", "invented") if row[name]]
+    if failure:
+        parts.append(failure)
+    return ", ".join(parts)
 
 
 def rounded(value: float, digits: int) -> str:
@@ -487,25 +505,19 @@ def _styles(solvers: Iterable[str]) -> dict[str, Record]:
     others.
     """
     methods: dict[str, int] = {}
+    colours: dict[str, str] = {}
     styles: dict[str, Record] = {}
     for name in solvers:
         library = name.split()[0].rstrip(",")
-        number = methods[library] = methods.get(library, -1) + 1
+        number = methods.get(library, 0)
+        methods[library] = number + 1
         if library == "symosc":
-            styles[name] = {
-                "color": "black",
-                "marker": "*P"[number % 2],
-                "markersize": 9 - 3 * number,
-            }
+            marker = "*P"[number % 2]
+            styles[name] = {"color": "black", "marker": marker, "markersize": 9 - 3 * number}
         else:
-            colour = COLOURS[
-                [each for each in methods if each != "symosc"].index(library) % len(COLOURS)
-            ]
-            styles[name] = {
-                "color": colour,
-                "marker": POINT_MARKS[number % len(POINT_MARKS)],
-                "markersize": 4,
-            }
+            colour = colours.setdefault(library, COLOURS[len(colours) % len(COLOURS)])
+            marker = POINT_MARKS[number % len(POINT_MARKS)]
+            styles[name] = {"color": colour, "marker": marker, "markersize": 4}
     return styles
 
 
@@ -513,17 +525,18 @@ def _draw_panel(ax: Axes, scene: str, rows: Sequence[Record], styles: dict[str, 
     """Draw the curves of a scene."""
 
     def points(rows: Sequence[Record]) -> tuple[list[float], list[float]]:
-        errors = [
-            WORST if row["error"] is None else min(max(row["error"], BEST), WORST) for row in rows
-        ]
+        errors = []
+        for row in rows:
+            if row["error"] is None:
+                errors.append(WORST)
+            else:
+                errors.append(min(max(row["error"], BEST), WORST))
         return [row["us_per_event"] for row in rows], errors
 
     for solver in dict.fromkeys(row["solver"] for row in rows):
-        style = (
-            styles[solver]
-            | {"markeredgewidth": 0.6}
-            | ({"zorder": 4} if solver.startswith("symosc") else {})
-        )
+        style = styles[solver] | {"markeredgewidth": 0.6}
+        if solver.startswith("symosc"):
+            style["zorder"] = 4
         drawn = [row for row in rows if row["solver"] == solver and row["us_per_event"] is not None]
         right = [row for row in drawn if not row["missed"] and not row["invented"]]
         wrong = [row for row in drawn if row not in right]

@@ -56,8 +56,8 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text) ->
     from symosc.bench import results
 
     if scores is not None:
-        others = quick or hard or output.prints_json() or picture is not None or readme is not None
-        options.refuse((others, "--scores is a run of its own: leave out the other options"))
+        with_more = quick or hard or output.prints_json() or (picture, readme) != (None, None)
+        options.refuse((with_more, "--scores is a run of its own: leave out the other options"))
         return _score(scores)
     if readme is None:
         result = _measured(quick, hard)
@@ -82,7 +82,7 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text) ->
 
 
 def _measured(quick: bool, hard: bool) -> Record:
-    """Return the results of the hard cases or, unless `hard`, of speed, and of work and precision."""
+    """Return the results of the hard cases or, unless `hard`, of speed, work and precision."""
     from symosc.bench import cases, speed, work
 
     result: Record = {"quick": quick}
@@ -104,7 +104,7 @@ def _scored() -> Record:
 
 
 def _drawn(result: Record, picture: Text) -> list[Path]:
-    """Draw a result of `_measured` into the file `picture`, unless that is None; return its path."""
+    """Draw a result of `_measured` into the file `picture`, if one is named; return its path."""
     from symosc.bench import work
 
     if picture is None:

@@ -188,9 +188,9 @@ class ReferenceCase:
         """
         if not self.open and not self.periods and not any(self.scene.start_error or ()):
             wrt = provable(self.parameters, self.v0)
-            found = certify(self.scene, digits=GIVEN_DIGITS, wrt=wrt)
-            if found.proven:
-                return found
+            certificate = certify(self.scene, digits=GIVEN_DIGITS, wrt=wrt)
+            if certificate.proven:
+                return certificate
         return certify(self.scene, digits=GIVEN_DIGITS)
 
     @property
@@ -246,23 +246,19 @@ class ReferenceCase:
         """
         if self.periods:
             return ({},) * len(self.events)
-        names = self.certificate.statement.get("wrt", ())
+        proven_names = self.certificate.statement.get("wrt", ())
         stated = self.certificate.derivatives
-        if len(names) == len(NAMES):
-            s = None
-        else:
+        rows: list[dict[str, KnownChange]] = [{} for _ in self.events]
+        for n, row in enumerate(rows):
+            for j, name in enumerate(proven_names):
+                row[name] = KnownChange(stated[n][0][j], stated[n][1][j], True)
+        if len(proven_names) < len(NAMES):
             s = sensitivities(self.scene, NAMES, digits=COMPUTED_DIGITS)
-        found = []
-        for n in range(len(self.events)):
-            row = {
-                name: KnownChange(stated[n][0][j], stated[n][1][j], True)
-                for j, name in enumerate(names)
-            }
-            for j, name in enumerate(NAMES if s is not None else ()):
-                if name not in row and s is not None and s.regular[n, j]:
-                    row[name] = KnownChange(_enclosed(s.dt[n, j]), _enclosed(s.dx[n, j]), False)
-            found.append({name: row[name] for name in NAMES if name in row})
-        return tuple(found)
+            for n, row in enumerate(rows):
+                for j, name in enumerate(NAMES):
+                    if name not in row and s.regular[n, j]:
+                        row[name] = KnownChange(_enclosed(s.dt[n, j]), _enclosed(s.dx[n, j]), False)
+        return tuple({name: row[name] for name in NAMES if name in row} for row in rows)
 
     @property
     def count(self) -> int:
@@ -281,23 +277,31 @@ class ReferenceCase:
 
         def apart(scene: Scene, digits: int) -> Sequence[Event]:
             if self.periods:
-                found = last_period(scene, digits)
+                events = last_period(scene, digits)
             else:
-                found = simulate(scene, digits=digits).events
+                events = simulate(scene, digits=digits).events
             return [
-                each for each in found if all(abs(float(each.t) - float(t)) > near for t in grazes)
+                event
+                for event in events
+                if all(abs(float(event.t) - float(t)) > near for t in grazes)
             ]
 
-        known = iter(conditions(self.scene, apart))
-        return tuple(inf if event.kind == "graze" else next(known) for event in self.events)
+        regular = iter(conditions(self.scene, apart))
+        numbers = []
+        for event in self.events:
+            if event.kind == "graze":
+                numbers.append(inf)
+            else:
+                numbers.append(next(regular))
+        return tuple(numbers)
 
     @property
     def condition(self) -> float:
         """The largest condition number of an event that is not a graze; 0 if there is none."""
-        return max((each for each in self.conditions if each < inf), default=0.0)
+        return max((number for number in self.conditions if number < inf), default=0.0)
 
     def __repr__(self) -> str:
-        count = f"{len(self.events)} event{'' if len(self.events) == 1 else 's'}"
+        count = "1 event" if len(self.events) == 1 else f"{len(self.events)} events"
         return f"<ReferenceCase {self.name}: {count}, {self.status}>"
 
 
@@ -305,9 +309,9 @@ def with_known(case: ReferenceCase, **known: Any) -> ReferenceCase:
     """Return a copy of a case for which events, conditions or derivatives are known already and not
     computed.
     """
-    found = copy(case)
-    vars(found).update(known)
-    return found
+    changed = copy(case)
+    vars(changed).update(known)
+    return changed
 
 
 def _enclosed(value: Any) -> tuple[str, str]:
@@ -408,11 +412,11 @@ def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
     return replace(scene, parameters=p.replace(**{name: value}), **start)
 
 
-def _count_equal(events: Sequence[Event], others: Sequence[Event]) -> int:
+def _count_equal(before: Sequence[Event], after: Sequence[Event]) -> int:
     """Return for how many events from the start two lists agree in kind, boundary and the mode that
     follows.
     """
-    for i, (event, other) in enumerate(zip(events, others, strict=False)):
-        if (event.kind, event.boundary, event.target) != (other.kind, other.boundary, other.target):
+    for i, (a, b) in enumerate(zip(before, after, strict=False)):
+        if (a.kind, a.boundary, a.target) != (b.kind, b.boundary, b.target):
             return i
-    return min(len(events), len(others))
+    return min(len(before), len(after))

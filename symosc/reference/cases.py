@@ -216,6 +216,11 @@ def _scene(
     return Scene(name, p, t0, x0, v0, end)
 
 
+def minus_if(negative: bool) -> str:
+    """Return the sign of a closed form: "-", or nothing."""
+    return "-" if negative else ""
+
+
 def start_before_a_peak(
     p: Parameters, mapping: str, height: Fraction, t_m: str, t0: str
 ) -> tuple[str, str, str]:
@@ -223,7 +228,11 @@ def start_before_a_peak(
     # That is the start of the orbit that grazes a belt which is faster by `height`, or short of it
     # (height < 0).
     where = place(mapping)
-    speed = p.belt(where.boundary) + (height if where.domain == where.boundary else -height)
+    speed = p.belt(where.boundary)
+    if where.domain == where.boundary:
+        speed += height
+    else:
+        speed -= height
     start = grazing_start(p.replace(**{f"v{where.boundary}": speed}), mapping, t_m=t_m, t0=t0).start
     return t0, short(Fraction(start["x0"])), short(Fraction(start["v0"]))
 
@@ -449,10 +458,8 @@ def _creeping_cases() -> Iterator[ReferenceCase]:
                 closed: tuple[str, ...] = (f"t[0] = {expression % show(-u)}",)
             else:
                 closed = ()
-            hard = (
-                "the velocity creeps to the belt's, and "
-                f"{'meets it late' if u < 0 else 'never meets it'}: "
-            )
+            meets = "meets it late" if u < 0 else "never meets it"
+            hard = f"the velocity creeps to the belt's, and {meets}: "
             hard += roots.replace("-", " ")
             if r1 == r2 and u < 0:
                 t_end = 150
@@ -549,8 +556,7 @@ def _slide_cases() -> Iterator[ReferenceCase]:
         cycles = 4
         period = 2 * pi / float(p.Omega)
         closed = [
-            f"x[{i}] = {'-' if i % 2 == 0 else ''}({amplitude(c, F, Omega)})"
-            for i in range(2 * cycles)
+            f"x[{i}] = {minus_if(i % 2 == 0)}({amplitude(c, F, Omega)})" for i in range(2 * cycles)
         ]
         t_end = Fraction(f"{float(t0) + (cycles + 0.25) * period:.6g}")
         hard = (
@@ -603,7 +609,7 @@ def _resonance_cases() -> Iterator[ReferenceCase]:
         p = wall(F, 1)
         closed = [f"t[{i}] = pi/2 + {i}*pi" for i in range(12)]
         closed += [
-            f"x[{i}] = {'-' if i % 2 else ''}(5 + pi/4 - {F} + {i}*(pi/2 - 2*{F}))"
+            f"x[{i}] = {minus_if(i % 2 == 1)}(5 + pi/4 - {F} + {i}*(pi/2 - 2*{F}))"
             for i in range(12)
         ]
         scene = _scene(p, (0, Fraction(1, 2) - Fraction(F), 5), 40, f"resonance-growth-{number}")
@@ -622,7 +628,7 @@ def _decay_cases() -> Iterator[ReferenceCase]:
         )
         closed = [f"t[{i}] = {i + 1}*pi" for i in range(last)]
         closed += [
-            f"x[{i}] = {'-' if i % 2 == 0 else ''}({x0} - {2 * (i + 1)}*{F})" for i in range(last)
+            f"x[{i}] = {minus_if(i % 2 == 0)}({x0} - {2 * (i + 1)}*{F})" for i in range(last)
         ]
         hard = (
             "free decay: all turning points are on the belt at rest, and the last one is a stop "
@@ -652,7 +658,7 @@ def continuum() -> Iterator[ReferenceCase]:
             else:
                 count = 0
             closed = [f"t[{i}] = {2 * n * (i + 1)}*pi" for i in range(count)]
-            closed += [f"x[{i}] = {d} {'+' if i % 2 else '-'} {show(x_0)}" for i in range(count)]
+            closed += [f"x[{i}] = {d} {'-+'[i % 2]} {show(x_0)}" for i in range(count)]
             hard = "a continuum of orbits: nothing draws the motion back, so that errors stay"
             if not stays:
                 hard += "; beyond its end, where the motion stops"

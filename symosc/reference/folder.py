@@ -11,7 +11,7 @@ import io
 import json
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import ExitStack
 from dataclasses import replace
 from decimal import Context, Decimal, Inexact
 from fractions import Fraction
@@ -49,6 +49,7 @@ SHOWN_PERIODS = 20
 MOST_DIGITS = 400
 #: Up to so many cases are written without worker processes.
 CASES_IN_LINE = 8
+YES_OR_NO = {True: "yes", False: "no"}
 START_AND_END = ("t0", "x0", "v0", "t_end")
 TABLE_COLUMNS = (
     "name",
@@ -76,17 +77,18 @@ def write_cases(
     """Write cases into a folder, all or nothing; the same cases give the same bytes."""
     # `path` is a new folder, or one of an earlier run without other files in it, or an OutputError
     # is raised. `progress` is called with how many cases more are done.
-    if cases is None:
-        wanted = reference_cases()
-    else:
-        wanted = cases
+    wanted = reference_cases() if cases is None else cases
     check_folder(path, _files_of_earlier_run)  # before the work
     texts = {}
     rows = []
-    in_processes = len(wanted) > CASES_IN_LINE and workers > 1
-    with process_pool(workers, "spawn") if in_processes else nullcontext() as pool:
-        for found, row in pool.map(_case_files, wanted) if pool else map(_case_files, wanted):
-            texts.update(found)
+    with ExitStack() as stack:
+        if len(wanted) > CASES_IN_LINE and workers > 1:
+            pool = stack.enter_context(process_pool(workers, "spawn"))
+            written = pool.map(_case_files, wanted)
+        else:
+            written = map(_case_files, wanted)
+        for of_case, row in written:
+            texts.update(of_case)
             rows.append(row)
             if progress:
                 progress(1)
@@ -105,11 +107,11 @@ def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
         for event, condition in zip(case.events, case.conditions, strict=True)
     )
     changes = (
-        (i, name, *each.dt, *each.dx, "yes" if each.proven else "no")
+        (i, name, *change.dt, *change.dx, YES_OR_NO[change.proven])
         for i, row in enumerate(case.derivatives)
-        for name, each in row.items()
+        for name, change in row.items()
     )
-    found = {
+    files_of_case = {
         CASE_FILE: _case_toml(case),
         EVENTS_FILE: _csv_text(EVENT_COLUMNS, events),
         CHANGES_FILE: _csv_text(CHANGE_COLUMNS, changes),
@@ -117,11 +119,11 @@ def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
         "certificate.json": json.dumps(case.certificate.as_dict(), indent=1) + "\n",
     }
     about = {"name": case.name, "group": case.group, "events": case.count, "periods": case.periods}
-    about |= {"condition": f"{case.condition:.3g}", "proven": "yes" if case.proven else "no"}
+    about |= {"condition": f"{case.condition:.3g}", "proven": YES_OR_NO[case.proven]}
     about |= case.parameters.as_dict() | {
         name: exact_text(getattr(case, name)) for name in START_AND_END
     }
-    return {f"{case.name}/{name}": text for name, text in found.items()}, about
+    return {f"{case.name}/{name}": text for name, text in files_of_case.items()}, about
 
 
 def exact_text(value: Fraction) -> str:
@@ -191,7 +193,8 @@ def _samples(case: ReferenceCase) -> list[tuple[str, str, str, str]]:
     states = zip(times, *motion(times).tolist(), motion.mode(times).tolist(), strict=True)
     rows = [(t, 0, *state) for t, *state in states]
     for i, event in enumerate(motion.events, 1):
-        t, *state = float(event.t), float(event.x), float(event.v)
+        t = float(event.t)
+        state = float(event.x), float(event.v)
         rows += [(t, 2 * i, *state, event.source), (t, 2 * i + 1, *state, event.target)]
     rows.sort(key=lambda row: row[:2])
     return [(repr(t), f"{x:.15g}", f"{v:.15g}", mode) for t, _, x, v, mode in rows]

@@ -49,7 +49,7 @@ class GivenEvent(NamedTuple):
 
 @dataclass
 class CaseResult:
-    """A solver's result for a case: its events in order of time, and the end time that it states."""
+    """A solver's result for a case: its events in order of time, and its end time."""
 
     events: list[GivenEvent] = field(default_factory=list)
     seconds: float | None = None
@@ -159,12 +159,12 @@ def _csv_entries(path: Path, case: str | None) -> Iterator[Entry]:
             place = Place(path, f"line {reader.line_num}")
             if len(cells) != len(header):
                 raise place.wrong(f"it has {len(cells)} entries, and the header has {len(header)}")
-            given = {
+            read = {
                 column: cell
                 for column, cell in zip(header, cells, strict=True)
                 if cell and column in COLUMNS
             }
-            yield Entry(case or given.get("case", ""), place, given)
+            yield Entry(case or read.get("case", ""), place, read)
     except csv.Error as error:
         raise Place(path, f"line {reader.line_num}").wrong(str(error)) from None
     if not header:
@@ -172,7 +172,7 @@ def _csv_entries(path: Path, case: str | None) -> Iterator[Entry]:
 
 
 def _check_header(path: Path, header: Sequence[str], needs_case: bool) -> None:
-    """Raise ResultError if a column that is needed is missing, or one that is read is there twice."""
+    """Raise ResultError if a needed column is missing, or one that is read is there twice."""
     needed = ["kind"]
     if needs_case:
         needed.append("case")

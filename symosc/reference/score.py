@@ -94,20 +94,20 @@ class CaseScore:
         self.missed += count
         self.wrong.append(Wrong("missed", t, wanted, ""))
 
-    def note_invented(self, t: float, found: str, count: int = 1) -> None:
+    def note_invented(self, t: float, reported: str, count: int = 1) -> None:
         """Note events that the reference does not have, from the time t on."""
         self.invented += count
-        self.wrong.append(Wrong("invented", t, "", found))
+        self.wrong.append(Wrong("invented", t, "", reported))
 
-    def note_kind(self, t: float, wanted: str, found: str) -> None:
+    def note_kind(self, t: float, wanted: str, reported: str) -> None:
         """Note an event of a wrong kind, or at another belt."""
         self.kinds += 1
-        self.wrong.append(Wrong("wrong kind", t, wanted, found))
+        self.wrong.append(Wrong("wrong kind", t, wanted, reported))
 
-    def note_error(self, t: float, wanted: str, found: str) -> None:
+    def note_error(self, t: float, wanted: str, reported: str) -> None:
         """Note an event with too large an error."""
         self.late += 1
-        self.wrong.append(Wrong("error", t, wanted, found))
+        self.wrong.append(Wrong("error", t, wanted, reported))
 
     @property
     def right(self) -> bool:
@@ -379,19 +379,19 @@ class _Judge:
             scale_t = max(1.0, abs(dt))
             scale_x = max(scale_t, abs(dx), abs(x))
             for coordinate, exact, scale in (("t", dt, scale_t), ("x", dx, scale_x)):
-                given = event.changes.get(f"d{coordinate}_{name}")
-                if given is None:
+                derivative = event.changes.get(f"d{coordinate}_{name}")
+                if derivative is None:
                     continue
-                error = abs(given - exact) / scale
+                error = abs(derivative - exact) / scale
                 if not isfinite(error):
                     error = inf
                 judged.derivatives += 1
                 judged.wrong_derivatives += error > allowed
                 judged.error_d = _larger(judged.error_d, error)
                 worst = max(worst, (error, f"d{coordinate}/d{name}"))
-        error, derivative = worst
+        error, symbol = worst
         if error > allowed:
-            text = f"{derivative} of {_event_text(self.known[i])}"
+            text = f"{symbol} of {_event_text(self.known[i])}"
             wanted = f"{text}, error {error:.1e}, allowed {allowed:.1e}"
             judged.wrong.append(Wrong("derivative", self.known[i].t, wanted, ""))
 
@@ -469,7 +469,7 @@ def short_number(value: float) -> str:
 
 
 def group_table(scores: Sequence[Score], form: str = "simple") -> str:
-    """Return a table with a row per group, one for all cases, and rows with the numbers of faults."""
+    """Return a table with a row per group, one for all cases, and rows of numbers of faults."""
     rows = []
     for group, cases in by_group(scores[0].cases):
         columns = [

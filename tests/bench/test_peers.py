@@ -39,7 +39,9 @@ def words(events: Sequence[Any]) -> list[tuple[str, int]]:
 
 
 def error(found: Sequence[Any], exact: Sequence[Any]) -> float:
-    """Return the largest error of a time or position, after the events have been found to be the same."""
+    """Return the largest error of a time or position, after the events have been found to be the
+    same.
+    """
     assert words(found) == words(exact)
     pairs = list(zip(found, exact, strict=True))
     return float(
@@ -56,7 +58,7 @@ def test_solvers_say_what_they_are() -> None:
         assert pickle.loads(pickle.dumps(solver)).name == solver.name  # runs in another process
 
 
-# -- the event logic ---------------------------------------------------------------------------------------------------
+# -- the event logic -------------------------------------------------------------------------------
 
 
 def test_the_phase_at_a_late_origin_has_all_digits() -> None:
@@ -82,7 +84,9 @@ def test_what_follows_at_a_boundary() -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_force_that_vanishes_up_to_rounding(seed: int) -> None:
-    """On the set where F^(2) = 0 on belt 1 the motion leaves upward if F^(2) grows, else the belt takes it."""
+    """On the set where F^(2) = 0 on belt 1 the motion leaves upward if F^(2) grows, else the belt
+    takes it.
+    """
     q = problem(load_scene("fig8").parameters.replace(v1="-3.7"))
     t = random.Random(seed).uniform(0, 20)
     x = (q.A2 + q.swing * cos(q.Omega * t) - q.damping * q.v1) / q.stiffness
@@ -90,7 +94,7 @@ def test_a_force_that_vanishes_up_to_rounding(seed: int) -> None:
     assert resolve(q, 1, t, x) == (2 if growing else 4)
 
 
-# -- integrators called from Python ------------------------------------------------------------------------------------
+# -- integrators called from Python ----------------------------------------------------------------
 
 
 @pytest.mark.quick(4)
@@ -123,7 +127,7 @@ def test_integrators_in_their_traps(solver: Solver) -> None:
     )  # the last bit of 1e10 is 2e-6
 
 
-# -- compiled solvers --------------------------------------------------------------------------------------------------
+# -- compiled solvers ------------------------------------------------------------------------------
 
 #: Scenes that compiled solvers follow to the last digits, at their finest tolerance.
 EASY_SCENES = {name: load_scene(name) for name in ("fig5", "fig6", "fig9", "fig10")}
@@ -179,11 +183,11 @@ def test_batches_of_others_count_what_we_count(name: str, peer: str) -> None:
     ours = simulate_many(
         scene.parameters, starts, starts[:, 0] + 20, record=("events",), use_numba=False
     ).events
+    durations = np.full(21, 20.0)
     if peer == "heyoka":
-        count_many, points = (peers_heyoka.count_many, [])
+        run = peers_heyoka.count_many(scene.parameters, starts, durations, 2e-13)
     else:
-        count_many, points = (peers_scan.count_many, [2000])
-    run = count_many(scene.parameters, starts, np.full(21, 20.0), *points, 2e-13)
+        run = peers_scan.count_many(scene.parameters, starts, durations, 2000, 2e-13)
     for _ in range(2):
         assert run().tolist() == ours.tolist()
 
@@ -195,7 +199,9 @@ def test_simulate_with_digits_is_followed_as_far_as_asked() -> None:
 
 @COMPILED
 def test_random_motions() -> None:
-    """No compiled solver is wrong in any of sixty motions but the coarse scan, which misses events of some."""
+    """No compiled solver is wrong in any of sixty motions but the coarse scan, which misses events
+    of some.
+    """
     rng = random.Random(5)
 
     def number(low: float, high: float) -> str:

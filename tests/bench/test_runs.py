@@ -42,7 +42,7 @@ def rows(measured: dict[str, Any], solver: str, scene: str) -> list[dict[str, An
     return [row for row in measured["rows"] if (row["solver"], row["scene"]) == (solver, scene)]
 
 
-# -- calls -------------------------------------------------------------------------------------------------------------
+# -- calls -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -87,7 +87,7 @@ def test_the_machine_is_named_with_all_versions() -> None:
     assert f"numpy {about['numpy']}" in sentence(about)
 
 
-# -- work and precision ------------------------------------------------------------------------------------------------
+# -- work and precision ----------------------------------------------------------------------------
 
 
 COUNTED = ("missed", "invented", "missed_grazes")
@@ -133,7 +133,7 @@ def test_rows_have_times_and_errors(measured: dict[str, Any]) -> None:
         assert row["over_ours"] == pytest.approx(quotient, rel=1e-12)
 
 
-# -- the reference cases -----------------------------------------------------------------------------------------------
+# -- the reference cases ---------------------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -160,7 +160,7 @@ def test_solvers_are_judged_and_the_page_says_how_it_was_made(tmp_path: Path) ->
     assert picture.is_file()
 
 
-# -- speed -------------------------------------------------------------------------------------------------------------
+# -- speed -----------------------------------------------------------------------------------------
 
 
 def test_random_starts_are_followed_for_so_many_periods() -> None:
@@ -171,11 +171,13 @@ def test_random_starts_are_followed_for_so_many_periods() -> None:
     assert (np.abs(starts) <= [2 * np.pi / float(p.Omega), 5, 5]).all()
 
 
-# -- the pages of results ----------------------------------------------------------------------------------------------
+# -- the pages of results --------------------------------------------------------------------------
 
 
 def assert_same_figures(readme: str, page: str) -> None:
-    """All that stands between the README's marks, but the link at its end, is on the page of results."""
+    """All that stands between the README's marks, but the link at its end, is on the page of
+    results.
+    """
     block = readme.partition("<!-- results: begin -->\n")[2].partition("<!-- results: end -->")[0]
     figures = block.partition("[All calls")[0]
     about, table, text = figures.strip().split("\n\n")

@@ -52,7 +52,7 @@ SCENES = {
 }
 
 
-# -- event logic and solvers, interpreted ------------------------------------------------------------------------------
+# -- event logic and solvers, interpreted ----------------------------------------------------------
 
 
 @cache
@@ -130,7 +130,7 @@ def gives_up(outcome: str) -> str:
     return followed(SCENES["from a belt"], bind((event_logic,), {"leave": leave}), lambda: None)
 
 
-# -- work and precision ------------------------------------------------------------------------------------------------
+# -- work and precision ----------------------------------------------------------------------------
 
 
 def late(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
@@ -238,7 +238,7 @@ def compared() -> list[Any]:
     return [work.compare(given, scene, exact) for given in lists]
 
 
-# -- speed -------------------------------------------------------------------------------------------------------------
+# -- speed -----------------------------------------------------------------------------------------
 
 
 @cache
@@ -288,7 +288,7 @@ def named_calls() -> str:
     return "\n".join(f"{text} {size}" for text, size in zip(texts, sizes, strict=True))
 
 
-# -- the reference cases, and pages of results -------------------------------------------------------------------------
+# -- the reference cases, and pages of results -----------------------------------------------------
 
 
 def at_once(

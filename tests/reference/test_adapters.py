@@ -26,7 +26,9 @@ GOOD = {
 
 
 def judged(written: Path, command: list[str], tmp_path: Path) -> Score:
-    """Run an adapter on the small set and judge its results, with a tolerance that a good solver keeps."""
+    """Run an adapter on the small set and judge its results, with a tolerance that a good solver
+    keeps.
+    """
     results = tmp_path / "theirs.csv"
     run = [*command, str(written / "cases.csv"), str(results)]
     done = subprocess.run(run, capture_output=True, text=True, timeout=PATIENCE, cwd=tmp_path)

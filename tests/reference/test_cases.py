@@ -1,4 +1,6 @@
-"""The set of cases: its content, the published closed forms, the hard cases, events and condition numbers of a case."""
+"""The set of cases: its content, the published closed forms, the hard cases, events and condition
+numbers of a case.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +40,7 @@ from symosc.reference.cases import (
 )
 from symosc.reference.folder import exact_text
 
-# -- sets --------------------------------------------------------------------------------------------------------------
+# -- sets ------------------------------------------------------------------------------------------
 
 
 CASES = {case.name: case for case in reference_cases()}
@@ -57,8 +59,8 @@ def test_a_changed_set_has_a_new_version() -> None:
         lines.append(
             " ".join([case.name, *numbers, str(case.scene.start_error), str(case.periods)])
         )
-    found = hashlib.sha256("\n".join(lines).encode()).hexdigest()
-    assert found == SUMS.get(SET_VERSION), f"the sum of version {SET_VERSION} is {found}"
+    checksum = hashlib.sha256("\n".join(lines).encode()).hexdigest()
+    assert checksum == SUMS.get(SET_VERSION), f"the sum of version {SET_VERSION} is {checksum}"
 
 
 @pytest.mark.full(16)
@@ -112,7 +114,9 @@ CLOSED = [name for name, case in CASES.items() if case.closed_form and case.grou
 
 
 def test_a_meeting_in_closed_form_has_its_form() -> None:
-    """A velocity v = A/c (1 - exp(-c t/m)) meets belt 1 if A/c is beyond its speed, at log(1 + c v1/(A - c v1)) m/c."""
+    """A velocity v = A/c (1 - exp(-c t/m)) meets belt 1 if A/c is beyond its speed, at log(1 + c
+    v1/(A - c v1)) m/c.
+    """
     times = [
         re.findall(r"t\[0\] = (.+)", " ".join(CASES[f"limit-speed-{i}"].closed_form))
         for i in (1, 2, 3, 4)
@@ -234,7 +238,7 @@ def test_the_page_about_the_set_counts_right() -> None:
     assert counts[f"hard cases, {len(hard)} groups"] == len(hard_cases())
 
 
-# -- hard cases --------------------------------------------------------------------------------------------------------
+# -- hard cases ------------------------------------------------------------------------------------
 
 
 @pytest.mark.quick(5)
@@ -317,7 +321,7 @@ def test_long_runs_end_with_the_orbit() -> None:
     assert 0 < case.scene.t_end - Fraction(float(last.t)) < Fraction(1)
 
 
-# -- case --------------------------------------------------------------------------------------------------------------
+# -- case ------------------------------------------------------------------------------------------
 
 
 def test_what_is_not_proven_is_between_decimals_too() -> None:
@@ -339,19 +343,17 @@ def test_what_is_not_proven_is_between_decimals_too() -> None:
 def test_a_graze_has_no_condition_and_what_follows_it_has(name: str) -> None:
     """A start that is rounded to a double grazes no more; the events after it move by so much."""
     case = CASES[name]
-    first, *others = case.conditions
+    first, *conditions_after = case.conditions
     assert first == inf
-    assert 0 < max(others) == case.condition < 100
-    start = {each: float(getattr(case, each)) for each in ("t0", "x0", "v0")}
-    found = [
-        event
-        for event in simulate(case.parameters, **start, t_end=case.t_end).events
-        if event.kind != "graze"
-    ]
-    near = [event for event in found if abs(event.t - float(case.events[0].middle[0])) > 1e-4]
-    for event, known, condition in zip(near, case.events[1:], others, strict=True):
+    assert 0 < max(conditions_after) == case.condition < 100
+    start = {name: float(getattr(case, name)) for name in ("t0", "x0", "v0")}
+    motion = simulate(case.parameters, **start, t_end=case.t_end)
+    regular = [event for event in motion.events if event.kind != "graze"]
+    touch = float(case.events[0].middle[0])
+    later = [event for event in regular if abs(event.t - touch) > 1e-4]
+    for event, known, condition in zip(later, case.events[1:], conditions_after, strict=True):
         assert (event.kind, event.boundary) == (known.kind, known.boundary)
-        t, x = (float(each) for each in known.middle)
+        t, x = map(float, known.middle)
         error = max(abs(event.t - t) / max(1, t), abs(event.x - x) / max(1, abs(x)))
         assert error < 100 * condition * 1e-16
 
@@ -371,7 +373,7 @@ def test_a_very_long_run_has_the_events_of_its_last_period() -> None:
             assert Fraction(low) <= Fraction(value.context.nstr(value, 48)) <= Fraction(high)
 
 
-# -- condition ---------------------------------------------------------------------------------------------------------
+# -- condition -------------------------------------------------------------------------------------
 
 
 def in_many_digits(scene: Scene, digits: int) -> Any:
@@ -379,7 +381,9 @@ def in_many_digits(scene: Scene, digits: int) -> Any:
 
 
 def test_the_condition_of_a_constant_acceleration() -> None:
-    """With A = A0 + (mu1 + mu2) FN, v = v0 + A t/m meets v1 after m (v1 - v0)/A, at x0 + m (v1^2 - v0^2)/(2 A)."""
+    """With A = A0 + (mu1 + mu2) FN, v = v0 + A t/m meets v1 after m (v1 - v0)/A, at x0 + m (v1^2 -
+    v0^2)/(2 A).
+    """
     p = Parameters(m=3, c=0, k=0, A0=1, B0=0, Omega=1, v1=5, v2=9, mu1="0.3", mu2="0.2", FN=2)
     scene = Scene("constant", p, Fraction(7), Fraction(11), Fraction(-1), Fraction(30))
     m = 3
@@ -427,6 +431,6 @@ def test_events_that_any_change_turns_into_others_have_no_condition() -> None:
     def digits_of(value: Fraction, event: Any) -> Any:
         return event.t.context.mpf(value.numerator) / value.denominator
 
-    found = conditions(scene, touching)
-    assert found[0] == pytest.approx(float(1 / max(1, first.t)))
-    assert found[1:] == [inf, inf]
+    numbers = conditions(scene, touching)
+    assert numbers[0] == pytest.approx(float(1 / max(1, first.t)))
+    assert numbers[1:] == [inf, inf]

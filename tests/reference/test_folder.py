@@ -26,7 +26,7 @@ from symosc.reference.folder import SET_FORMAT, checksum, exact_text, read_set, 
 from symosc.reference.results import GivenEvent, read_results
 from symosc.reference.score import SCORE_TOLERANCE
 
-# -- folder ------------------------------------------------------------------------------------------------------------
+# -- folder ----------------------------------------------------------------------------------------
 
 
 def rows(path: Path) -> list[dict[str, str]]:
@@ -50,42 +50,42 @@ def test_what_is_read_back_is_what_the_cases_say(written: Path) -> None:
 
 
 def test_a_case_is_a_scene_file_too(written: Path) -> None:
-    for each in small_set():
-        scene = load_scene(written / each.name / "case.toml")
-        assert scene.parameters == each.parameters
+    for case in small_set():
+        scene = load_scene(written / case.name / "case.toml")
+        assert scene.parameters == case.parameters
         for name in ("t0", "x0", "v0", "t_end", "start_error"):
-            assert getattr(scene, name) == getattr(each.scene, name)
+            assert getattr(scene, name) == getattr(case.scene, name)
 
 
 def test_every_table_says_the_same(written: Path) -> None:
     table = {row["name"]: row for row in rows(written / "cases.csv")}
-    for each in small_set():
-        about = tomllib.loads((written / each.name / "case.toml").read_text())
-        row = table[each.name]
+    for case in small_set():
+        about = tomllib.loads((written / case.name / "case.toml").read_text())
+        row = table[case.name]
         assert '"' not in "".join(row.values())
         assert not any("," in value for value in row.values())
         assert {name: Fraction(row[name]) for name in about["parameters"]} == {
-            name: getattr(each.parameters, name) for name in about["parameters"]
+            name: getattr(case.parameters, name) for name in about["parameters"]
         }
         assert all(
-            Fraction(row[name]) == getattr(each, name) for name in ("t0", "x0", "v0", "t_end")
+            Fraction(row[name]) == getattr(case, name) for name in ("t0", "x0", "v0", "t_end")
         )
         assert (
             about["reference"]["events"]
             == int(row["events"])
-            == len(rows(written / each.name / "events.csv"))
+            == len(rows(written / case.name / "events.csv"))
         )
-        assert row["proven"] == ("yes" if each.proven else "no")
+        assert row["proven"] == ("yes" if case.proven else "no")
         for condition in (row["condition"], about["reference"]["condition"]):
-            assert float(condition) == pytest.approx(each.condition, rel=5e-3)
-        assert tuple(about["reference"]["closed_form"]) == each.closed_form
+            assert float(condition) == pytest.approx(case.condition, rel=5e-3)
+        assert tuple(about["reference"]["closed_form"]) == case.closed_form
         assert bool(about["reference"]["reason"]) == (about["reference"]["status"] == COMPUTED)
 
 
 def test_enclosures_have_40_digits_and_hold_what_simulate_says(written: Path) -> None:
-    for each in small_set():
-        exact = simulate(each.scene, digits=50).events
-        listed = rows(written / each.name / "events.csv")
+    for case in small_set():
+        exact = simulate(case.scene, digits=50).events
+        listed = rows(written / case.name / "events.csv")
         for row, event in zip(listed, exact, strict=True):
             for name in "tx":
                 low = Fraction(row[f"{name}_low"])
@@ -100,22 +100,22 @@ def test_enclosures_have_40_digits_and_hold_what_simulate_says(written: Path) ->
 
 def test_words_are_those_of_the_trajectory(written: Path) -> None:
     for name in ("paper-fig5", "paper-fig6"):
-        each = next(each for each in small_set() if each.name == name)
+        case = next(case for case in small_set() if case.name == name)
         words = [row["word"] for row in rows(written / name / "events.csv") if row["word"]]
-        assert words == simulate(each.scene).word
+        assert words == simulate(case.scene).word
 
 
 def test_trajectories_are_the_motion_with_events_twice(written: Path) -> None:
-    for each in small_set():
-        listed = rows(written / each.name / "trajectory.csv")
+    for case in small_set():
+        listed = rows(written / case.name / "trajectory.csv")
         times = [float(row["t"]) for row in listed]
         assert times == sorted(times)
-        assert (times[0], times[-1]) == (float(each.t0), float(each.t_end))
-        motion = simulate(each.scene)
+        assert (times[0], times[-1]) == (float(case.t0), float(case.t_end))
+        motion = simulate(case.scene)
         x, v = motion(times)
         assert [float(row["x"]) for row in listed] == pytest.approx(list(x), rel=1e-9, abs=1e-9)
         assert [float(row["v"]) for row in listed] == pytest.approx(list(v), rel=1e-9, abs=1e-9)
-        for event in each.events:
+        for event in case.events:
             t = float(event.middle[0])
             modes = [row["mode"] for row in listed if float(row["t"]) == t]
             assert modes[:2] == [event.source, event.target] or event.source in modes
@@ -130,9 +130,9 @@ def test_samples_of_a_long_run_show_twenty_periods() -> None:
 
 
 def test_certificates_are_proven_by_the_checker(written: Path) -> None:
-    for each in small_set():
-        code, _ = verify(str(written / each.name / "certificate.json"))
-        assert code == (0 if each.proven else 1)
+    for case in small_set():
+        code, _ = verify(str(written / case.name / "certificate.json"))
+        assert code == (0 if case.proven else 1)
 
 
 def test_checksums_and_readme(written: Path) -> None:
@@ -222,7 +222,7 @@ def test_numbers_read_back_exactly(value: Fraction) -> None:
     assert Fraction(exact_text(value)) == value
 
 
-# -- results -----------------------------------------------------------------------------------------------------------
+# -- results ---------------------------------------------------------------------------------------
 
 
 NAMES = {"one", "two"}

@@ -29,7 +29,7 @@ from symosc.reference.score import (
     verdict,
 )
 
-# -- score -------------------------------------------------------------------------------------------------------------
+# -- score -----------------------------------------------------------------------------------------
 
 
 FAULTS = ("missed", "invented", "kinds", "late")
@@ -43,47 +43,44 @@ def judged(case: ReferenceCase, events: list[GivenEvent]) -> CaseScore:
     return judge_case(case, CaseResult(events), SCORE_TOLERANCE)
 
 
-def counts(found: CaseScore) -> dict[str, int]:
-    return {name: getattr(found, name) for name in FAULTS if getattr(found, name)}
+def counts(judgement: CaseScore) -> dict[str, int]:
+    return {name: getattr(judgement, name) for name in FAULTS if getattr(judgement, name)}
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_right_results_are_right(name: str) -> None:
-    found = judged(case_of(name), right(case_of(name)).events)
-    assert found.right
-    assert (found.units, found.grazes_found) == (0.0 if found.events else None, found.grazes)
-    assert found.wrong == []
+    judgement = judged(case_of(name), right(case_of(name)).events)
+    assert judgement.right
+    assert (judgement.units, judgement.grazes_found) == (
+        0.0 if judgement.events else None,
+        judgement.grazes,
+    )
+    assert judgement.wrong == []
 
 
 def with_changes(case: ReferenceCase, factor: float = 1.0) -> list[GivenEvent]:
-    """Return right results with right derivatives, but the last one times a factor."""
-    found = []
+    """Return right results with right derivatives, but the last derivative times a factor."""
+    events = []
     for event, row in zip(right(case).events, case.derivatives, strict=True):
-        changes = {
-            f"d{of}_{name}": float(both[i][0])
-            for name, both in row.items()
-            for i, of in enumerate("tx")
-        }
-        found.append(event._replace(changes=changes))
-    if found:
-        last = list(found[-1].changes)[-1]
-    else:
-        last = ""
-    return [
-        *found[:-1],
-        found[-1]._replace(changes=found[-1].changes | {last: found[-1].changes[last] * factor}),
-    ]
+        changes = {}
+        for name, change in row.items():
+            changes[f"dt_{name}"] = float(change.dt[0])
+            changes[f"dx_{name}"] = float(change.dx[0])
+        events.append(event._replace(changes=changes))
+    last = dict(events[-1].changes)
+    last[list(last)[-1]] *= factor
+    return [*events[:-1], events[-1]._replace(changes=last)]
 
 
 def test_derivatives_are_judged_where_they_exist() -> None:
     for name in ("paper-fig6", "free-decay-2"):
         case = case_of(name)
-        found = judged(case, with_changes(case))
+        judgement = judged(case, with_changes(case))
         plain = list(right(case).events)
-        assert found.right
+        assert judgement.right
         assert (
-            found.derivatives
-            == found.known_derivatives
+            judgement.derivatives
+            == judgement.known_derivatives
             == sum(2 * len(row) for row in case.derivatives)
             > 70
         )
@@ -103,7 +100,7 @@ def test_derivatives_are_judged_where_they_exist() -> None:
                 Score("mine", SCORE_TOLERANCE, [wrong]),
                 Score("none", SCORE_TOLERANCE, [judged(case, plain)]),
             ]
-            rows = f"wrong derivatives  .*1 of {found.derivatives}"
+            rows = f"wrong derivatives  .*1 of {judgement.derivatives}"
             assert all(re.search(rows, as_text(scores[:count])) for count in (1, 2))
     graze = case_of("graze-overdamped-P3")
     assert [event.kind for event in graze.events] == ["graze", "stick", "slip"]
@@ -117,8 +114,8 @@ def test_a_table_of_derivatives_is_read_from_what_symosc_writes(tmp_path: Path) 
         tmp_path / "paper-fig6.csv"
     )
     results = read_results(tmp_path, NAMES)
-    found = judge_case(case_of("paper-fig6"), results["paper-fig6"], SCORE_TOLERANCE)
-    assert (found.right, found.derivatives) == (True, 3 * 3 * 2)
+    judgement = judge_case(case_of("paper-fig6"), results["paper-fig6"], SCORE_TOLERANCE)
+    assert (judgement.right, judgement.derivatives) == (True, 3 * 3 * 2)
 
 
 def changed(
@@ -186,10 +183,10 @@ def test_one_fault_is_named_and_only_that(name: str, change: str) -> None:
     for _ in range(10):
         events, expected, t = changed(case, change, rng)
         rng.shuffle(events)
-        found = judged(case, sorted(events, key=lambda event: event.t))
-        assert counts(found) == expected
-        assert not found.right
-        assert [wrong.t for wrong in found.wrong] == [pytest.approx(t, rel=1e-12)]
+        judgement = judged(case, sorted(events, key=lambda event: event.t))
+        assert counts(judgement) == expected
+        assert not judgement.right
+        assert [wrong.t for wrong in judgement.wrong] == [pytest.approx(t, rel=1e-12)]
 
 
 def test_errors_are_measured_in_units_of_the_condition() -> None:
@@ -197,10 +194,10 @@ def test_errors_are_measured_in_units_of_the_condition() -> None:
     events = right(case).events
     i = 4
     events[i] = events[i]._replace(t=events[i].t * (1 + Fraction(1, 10**12)))
-    found = judged(case, events)
-    assert found.right
-    assert found.error_t == pytest.approx(1e-12, rel=1e-9)
-    assert found.units == pytest.approx(1e-12 / (max(1, case.conditions[i]) * 1e-16), rel=1e-9)
+    judgement = judged(case, events)
+    assert judgement.right
+    assert judgement.error_t == pytest.approx(1e-12, rel=1e-9)
+    assert judgement.units == pytest.approx(1e-12 / (max(1, case.conditions[i]) * 1e-16), rel=1e-9)
     by = Fraction(1, 10**10)
     events[i] = events[i]._replace(t=events[i].t * (1 + by))
     assert judge_case(case, CaseResult(events), 1e-11).late == 1
@@ -231,9 +228,9 @@ def test_a_graze_may_be_nothing_or_a_short_contact(
         touch._replace(kind=kind, t=touch.t + side)
         for kind, side in zip(kinds, sides, strict=False)
     ]
-    found = judged(case, [*contacts, *others])
-    assert counts(found) == {name: count for name, count in expected.items() if count}
-    assert (found.grazes, found.grazes_found) == (1, 0)
+    judgement = judged(case, [*contacts, *others])
+    assert counts(judgement) == {name: count for name, count in expected.items() if count}
+    assert (judgement.grazes, judgement.grazes_found) == (1, 0)
 
 
 def test_an_event_at_a_start_on_a_belt_is_none() -> None:
@@ -250,9 +247,9 @@ def test_belts_may_be_left_out_and_without_positions_half_is_judged() -> None:
     case = case_of("paper-fig6")
     events = right(case).events
     assert judged(case, [event._replace(boundary=0) for event in events]).right
-    found = judged(case, [event._replace(x=None) for event in events])
-    assert (found.right, found.wrong, found.without_x) == (False, [], len(events))
-    assert (found.error_t, found.error_x, case_cell(found)) == (0.0, None, "no x, 0")
+    judgement = judged(case, [event._replace(x=None) for event in events])
+    assert (judgement.right, judgement.wrong, judgement.without_x) == (False, [], len(events))
+    assert (judgement.error_t, judgement.error_x, case_cell(judgement)) == (0.0, None, "no x, 0")
     whole = score(
         "mine", [case], {case.name: CaseResult([events[0]._replace(x=None), *events[1:]])}
     )
@@ -276,20 +273,20 @@ def test_a_late_start_is_no_excuse_for_late_events(t0: int) -> None:
         derivatives=case.derivatives,
     )
     rounded = [event._replace(t=Fraction(float(event.t))) for event in right(late).events]
-    found = judged(late, rounded)
-    assert found.right
-    assert found.units is not None
-    assert found.units < 2
+    judgement = judged(late, rounded)
+    assert judgement.right
+    assert judgement.units is not None
+    assert judgement.units < 2
     # Doubles round Omega t0, which shifts all events: 1e-16 t0 is a unit of their times.
     for units, wrong in ((50, 0), (300, len(events))):
         shift = Fraction(units * t0, 10**16)
-        found = judged(late, [event._replace(t=event.t + shift) for event in rounded])
-        assert found.late == (wrong if t0 > 10**6 else 0)
-    found = judged(late, [event._replace(t=event.t + Fraction(1, 1000)) for event in rounded])
-    assert counts(found) == {"late": len(events)}
-    assert found.error_t is not None
-    assert 1e-5 < found.error_t < 2e-3
-    assert case_cell(found) == f"error {max(found.error_t, found.error_x or 0.0):.0e}"
+        judgement = judged(late, [event._replace(t=event.t + shift) for event in rounded])
+        assert judgement.late == (wrong if t0 > 10**6 else 0)
+    judgement = judged(late, [event._replace(t=event.t + Fraction(1, 1000)) for event in rounded])
+    assert counts(judgement) == {"late": len(events)}
+    assert judgement.error_t is not None
+    assert 1e-5 < judgement.error_t < 2e-3
+    assert case_cell(judgement) == f"error {max(judgement.error_t, judgement.error_x or 0.0):.0e}"
 
 
 def test_results_that_end_early_are_not_right() -> None:
@@ -303,14 +300,14 @@ def test_results_that_end_early_are_not_right() -> None:
         (3.0, False),
     ):
         given = [event for event in right(case).events if event.t < end]
-        found = judge_case(case, CaseResult(given, end=Fraction(end)), SCORE_TOLERANCE)
-        assert found.right == ok
-        assert (found.stopped is None) == ok
+        judgement = judge_case(case, CaseResult(given, end=Fraction(end)), SCORE_TOLERANCE)
+        assert judgement.right == ok
+        assert (judgement.stopped is None) == ok
         if not ok:
             assert f"ends at t = {end:.10g}, before t_end = 20" in [
-                str(wrong) for wrong in found.wrong
+                str(wrong) for wrong in judgement.wrong
             ]
-            assert case_cell(found).endswith(f"ends at t = {end:g}")
+            assert case_cell(judgement).endswith(f"ends at t = {end:g}")
 
 
 @pytest.mark.parametrize("value", ["0", "2", "nan", None])
