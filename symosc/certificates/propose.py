@@ -57,7 +57,9 @@ SPARE_DIGITS = 20
 MORE_DIGITS = 200
 #: Each time the checker refuses an exact start's events, they are proposed with so many times the
 #: digits.
-FINER = (1, 2, 4)
+FINER = (1, 2)
+#: What the checker says where no digits of a proposal help.
+NEAR_MISS = "a touch or a near miss"
 #: Radii to propose for a start with an error, in units of the engine's estimate.
 WIDER = (1.25, 2.5, 8.0, 64.0)
 EXACT = (Fraction(0),) * 3
@@ -206,6 +208,8 @@ def certify_motion(task: ToProve) -> Certificate:
             if certificate.proven:
                 return certificate
             message = certificate.message
+            if NEAR_MISS in message:
+                break
     except Open as undecided:
         message = undecided.what
         statement = undecided.statement or statement
@@ -297,7 +301,7 @@ def _followed(task: ToProve, digits: int, most: int | None = None, **changes: An
     if run.status == "undecidable":
         near = f"{float(run.t_end):.15g}"
         remark = TOUCHES if task.exact else ""
-        raise open_after(task, run, f"a touch or a near miss near t = {near}", working, remark)
+        raise open_after(task, run, f"{NEAR_MISS} near t = {near}", working, remark)
     if run.status == "max_events" and most is None:
         raise Open(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
     return run
@@ -323,7 +327,7 @@ def _exact_statement(task: ToProve, finer: int) -> Record:
     circles = task.p.c == task.p.B0 == 0 < task.p.k
     graze = next((event for event in run.events if event.kind == "graze"), None)
     if graze is not None and not circles:
-        what = f"a touch or a near miss near t = {float(graze.t):.15g}"
+        what = f"{NEAR_MISS} near t = {float(graze.t):.15g}"
         raise open_after(task, run, what, run.digits or digits, TOUCHES)
     statement = about(
         task,
