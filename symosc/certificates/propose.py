@@ -16,6 +16,7 @@ the shape that the map over some periods contracts, by the Jacobian of the closi
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from decimal import Decimal, localcontext
 from fractions import Fraction
 from math import ceil, floor
@@ -38,7 +39,7 @@ from symosc.certificates.certificate import (
 from symosc.engine.arithmetic import many_digits
 from symosc.engine.events import Event
 from symosc.engine.state import Launch
-from symosc.friction import MODE_NAMES
+from symosc.friction import MODE_NAMES, NEIGHBOURS
 from symosc.kernels._generated import acceleration
 from symosc.model import Parameters
 from symosc.orbits.closing_equations import ClosingEquations, polish
@@ -57,12 +58,16 @@ SPARE_DIGITS = 20
 MORE_DIGITS = 200
 #: Each time the checker refuses an exact start's events, they are proposed with so many times the
 #: digits.
-FINER = (1, 2, 4)
+FINER = (1, 2)
+#: What the checker says where no digits of a proposal help.
+NEAR_MISS = "a touch or a near miss"
 #: Radii to propose for a start with an error, in units of the engine's estimate.
 WIDER = (1.25, 2.5, 8.0, 64.0)
 EXACT = (Fraction(0),) * 3
 #: The radius of an exact start's event, in units of the engine's estimate.
 EXACT_ROW = 100.0
+#: What can be proven instead of a graze.
+TOUCHES = " (with start_error the statement that a start so near touches can be proven)"
 #: Which start value is varied for a graze: the first one of these that has an error.
 FREE = (("x0", 1), ("v0", 2), ("t0", 0))
 MOST_SECANTS = 14
@@ -204,6 +209,8 @@ def certify_motion(task: ToProve) -> Certificate:
             if certificate.proven:
                 return certificate
             message = certificate.message
+            if NEAR_MISS in message:
+                break
     except Open as undecided:
         message = undecided.what
         statement = undecided.statement or statement
@@ -228,22 +235,53 @@ def _statements(task: ToProve) -> Iterator[Record]:
         for finer in FINER:
             yield _exact_statement(task, finer)
         return
-    run = _followed(task, task.digits)
-    if any(event.kind == "graze" for event in run.events):
-        yield from _touching(task, run)
-        return
-    # The estimates of the engine are of first order. The checker's sets are wider, and it says how
-    # wide they are.
+    working = task.digits + SPARE_DIGITS + task.error_digits
+    run = task.run(working)
+    touch = _possible_touch(task, run, working)
+    if touch is not None:
+        with suppress(Open):
+            yield from _touching(task, touch, run)
+        # What the engine takes for a touch may be none: its estimates are of first order.
+        run = _followed(task._replace(errors=EXACT), working)
+    if run.status == "max_events":
+        raise Open(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
+    # The checker's sets are wider than the estimates, and it says how wide they are.
     statement = about(task, run, [row_of(event, WIDER[0], task.digits) for event in run.events])
     sets, reason = enclosed(statement)
     rows = statement["events"][: len(sets)]
-    for row, ends in zip(rows, sets, strict=True):
-        for name, pair in zip("tx", ends, strict=True):
-            row[name] = known(pair, task.digits)
-    statement["events"] = rows
     if reason:
-        raise Open(f"not confirmed by the checker: not proven: {reason}", statement)
-    yield statement
+        known_rows = statement | {"events": rows}
+        raise Open(f"not confirmed by the checker: not proven: {reason}", known_rows)
+    for wider in WIDER:
+        wide_rows = []
+        for row, ends in zip(rows, sets, strict=True):
+            wide = {
+                name: known(
+                    around((low + high) / 2, (high - low) / 2 * Fraction(wider)), task.digits
+                )
+                for name, (low, high) in zip("tx", ends, strict=True)
+            }
+            wide_rows.append(row | wide)
+        yield statement | {"events": wide_rows}
+
+
+def _possible_touch(task: ToProve, run: Trajectory, digits: int) -> Touch | None:
+    """Return the first contact of a motion that may be a touch, or None."""
+    name, place = next((name, place) for name, place in FREE if task.errors[place])
+    for before, event in enumerate(run.events):
+        if event.kind == "graze":
+            mode = MODE_NUMBERS[event.source]
+            return Touch(name, place, before, fraction(event.t), event.boundary, mode)
+    mode = MODE_NUMBERS[run.segments[-1].mode]
+    if run.status != "undecidable":
+        return None
+    t = fraction(run.t_end)
+    around_it = [belt for belt in NEIGHBOURS if mode in NEIGHBOURS[belt]]
+    touches = [Touch(name, place, len(run.events), t, belt, mode) for belt in around_it]
+    if not touches:
+        return None
+    given = task.start[place]
+    return min(touches, key=lambda touch: abs(_least_gap(task, touch, given, t, digits)[0]))
 
 
 def enclosed(statement: Record) -> tuple[list[tuple[Interval, Interval]], str]:
@@ -294,16 +332,17 @@ def _followed(task: ToProve, digits: int, most: int | None = None, **changes: An
         run = task.run(working, most, **changes)
     if run.status == "undecidable":
         near = f"{float(run.t_end):.15g}"
-        raise open_after(task, run, f"a touch or a near miss near t = {near}", working)
+        remark = TOUCHES if task.exact else ""
+        raise open_after(task, run, f"{NEAR_MISS} near t = {near}", working, remark)
     if run.status == "max_events" and most is None:
         raise Open(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
     return run
 
 
-def open_after(task: ToProve, run: Trajectory, what: str, digits: int) -> Open:
+def open_after(task: ToProve, run: Trajectory, what: str, digits: int, remark: str = "") -> Open:
     """Return the exception that says what so many digits do not decide, with the events of `run`."""
     rows = [row_of(event, EXACT_ROW, task.digits) for event in run.events]
-    return Open(f"{what} is not decided with {digits} digits", about(task, run, rows))
+    return Open(f"{what} is not decided with {digits} digits{remark}", about(task, run, rows))
 
 
 def _exact_statement(task: ToProve, finer: int) -> Record:
@@ -315,6 +354,13 @@ def _exact_statement(task: ToProve, finer: int) -> Record:
         if max(rows, default=0) <= digits + SPARE_DIGITS // 2:
             break
         digits = max(rows)
+    # A double zero, which enclosures cannot tell from a near miss. Without damping and drive v and
+    # v' go round a circle, which is decided in rational numbers.
+    circles = task.p.c == task.p.B0 == 0 < task.p.k
+    graze = next((event for event in run.events if event.kind == "graze"), None)
+    if graze is not None and not circles:
+        what = f"{NEAR_MISS} near t = {float(graze.t):.15g}"
+        raise open_after(task, run, what, run.digits or digits, TOUCHES)
     statement = about(
         task,
         run,
@@ -402,7 +448,7 @@ def _derivatives(task: ToProve, run: Trajectory) -> Record:
 
 
 class Touch(NamedTuple):
-    """A start value that is varied until a flight just touches a belt.
+    """A start value `name` that is varied until a flight in a mode just touches a belt near t.
 
     `place` is its index in the start, `before` the number of events before the flight.
     """
@@ -410,14 +456,15 @@ class Touch(NamedTuple):
     name: str
     place: int
     before: int
-    event: Event
+    t: Fraction
+    boundary: int
+    mode: int
 
 
-def _touching(task: ToProve, run: Trajectory) -> Iterator[Record]:
+def _touching(task: ToProve, touch: Touch, run: Trajectory) -> Iterator[Record]:
     """Yield files that state a graze of one start within the error, and all events of it."""
-    before = next(i for i, event in enumerate(run.events) if event.kind == "graze")
-    name, place = next((name, place) for name, place in FREE if task.errors[place])
-    touch = Touch(name, place, before, run.events[before])
+    name = touch.name
+    place = touch.place
     value, digits = _touching_value(task, touch)
     given = task.start[place]
     error = task.errors[place]
@@ -425,7 +472,7 @@ def _touching(task: ToProve, run: Trajectory) -> Iterator[Record]:
     unit = Fraction(1, 10**places)
     low, high = (Fraction(floor(value / unit) + step) * unit for step in (-1, 2))
     if max(abs(low - given), abs(high - given)) > error:
-        near = f"near t = {float(touch.event.t):.15g}"
+        near = f"near t = {float(touch.t):.15g}"
         what = f"a touch that is further off than the error of the start, {near},"
         raise open_after(task, run, what, digits)
     errors = [Fraction(0)] * 3
@@ -446,7 +493,7 @@ def _touching_value(task: ToProve, touch: Touch) -> tuple[Fraction, int]:
     digits = 2 * (2 * task.digits + SPARE_DIGITS) + task.error_digits
     given = task.start[touch.place]
     reach = task.errors[touch.place]
-    near = fraction(touch.event.t)
+    near = touch.t
     points = list[tuple[Fraction, Fraction]]()
     for count in range(2 + MOST_SECANTS):
         if count < 2:
@@ -483,9 +530,8 @@ def _least_gap(
         changes: dict[str, Any] = {touch.name: value, "start_error": 0}
         event = task.run(digits, touch.before, **changes).events[touch.before - 1]
         t, x, v = (context.convert(each) for each in (event.t, event.x, event.v))
-    mode = MODE_NUMBERS[touch.event.source]
     theta = K.Om * t
-    A = (K.A1, K.A2, K.A3)[mode - 1]
+    A = (K.A1, K.A2, K.A3)[touch.mode - 1]
     cosine = context.cos(theta)
     force = acceleration(x, v, cosine, A, K.cm, K.w0sq, K.f0)
     launch = Launch(v, force, context.sin(theta), cosine)
@@ -498,7 +544,7 @@ def _least_gap(
             break
         tau = tau - step
     there = flown(tau, launch, K)
-    gap = v + there.dv - number(task.p.belt(touch.event.boundary))
+    gap = v + there.dv - number(task.p.belt(touch.boundary))
     return fraction(gap), fraction(t + tau)
 
 

@@ -121,11 +121,13 @@ def certify_orbit(
             reason = f"not decided: {failed[0].text} fails near t = {failed[0].t:.15g}"
             break
         for part in BOXES:
-            refused = _proposed_orbit(p, word, orbit, part, digits)
-            if refused.proven:
-                return refused
-            reason = refused.message
+            found = _proposed_orbit(p, word, orbit, part, digits)
+            if found.proven:
+                return found
+            refused = refused or found
         break
+    if refused is not None:
+        reason = refused.message
     message = f"the orbit {word.cycle}: {reason}"
     if _is_marginal(p, word, periods, points):
         message += (

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from certificate_files import judged
-from confirming import REFUSED, certified, numbered
+from confirming import certified, numbered
 from oracle import simulate_oracle
 from problems import FAMILIES
 
@@ -205,16 +205,11 @@ def test_all_starts_within_an_error(name: str) -> None:
 
 
 @pytest.mark.slow
-def test_the_precision_is_raised_until_it_suffices() -> None:
-    """fig8's sticks shrink to 1e-20 of the first.
-
-    The events before them are proposed with fewer digits.
-    """
+def test_events_that_are_close_are_told_apart() -> None:
+    """fig8's sticks shrink to 1e-20 of the first."""
     longer = certify("fig8", t_end=60)
     assert longer.proven, longer.message
     assert len(longer.events) > 60
-    digits = int(longer.statement["made_by"].split(", ")[2].split()[0])
-    assert digits > 45
     boxes = [tuple(map(Fraction, event[3])) for event in longer.events]
     assert all(before[1] < after[0] for before, after in pairwise(boxes))
 
@@ -526,13 +521,10 @@ def test_starts_at_the_end_of_a_stick_leave_before_the_time_stated(side: int) ->
 @pytest.mark.parametrize(
     ("count", "seed"), [(30, 1), pytest.param(2000, 2, marks=pytest.mark.campaign)]
 )
-def test_random_scenes_are_confirmed(count: int, seed: int) -> None:
-    proven = 0
-    for family, number in numbered(count):
-        found = certified(family, seed, number)
-        assert not found.message.startswith(REFUSED), (family, number, found.message)
-        proven += found.proven
-    assert proven > count / 2
+def test_random_scenes_are_proven(count: int, seed: int) -> None:
+    """Of the first 300 scenes of seed 1 the prover that was here before proved 85 of 100."""
+    proven = sum(certified(family, seed, number).proven for family, number in numbered(count))
+    assert proven > 0.8 * count
 
 
 @pytest.mark.quick(2)

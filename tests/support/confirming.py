@@ -1,15 +1,14 @@
-"""What `certify` proves the checker confirms, over random scenes.
+"""How many random scenes `certify` proves, and why the others stay open.
 
 Python tests/support/confirming.py 2000 --seed 1
 
-Prints how many scenes are proven, how many stay open, and each one that the checker refused. Exits
-1 if it refused one.
+Prints each scene that is not proven with its message, and how many are. A graze of an exact start
+with damping or drive, and a force that is 0 on a belt, are never proven.
 """
 
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 from collections import Counter
 from collections.abc import Iterator
@@ -23,7 +22,6 @@ from symosc.certificates.certificate import Certificate
 #: Periods of the drive that are proven; every third scene has a start that is known to an error.
 MOST_PERIODS = 12
 ERROR = Fraction(1, 10**20)
-REFUSED = "not confirmed by the checker"
 
 
 def certified(family: str, seed: int, number: int) -> Certificate:
@@ -44,14 +42,13 @@ def numbered(count: int) -> Iterator[tuple[str, int]]:
     return ((families[i % len(families)], i // len(families)) for i in range(count))
 
 
-def main() -> int:
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scenes", type=int)
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()
     proven = Counter[str]()
     events = 0
-    refused = 0
     begin = time.process_time()
     for family, number in numbered(options.scenes):
         found = certified(family, options.seed, number)
@@ -59,19 +56,11 @@ def main() -> int:
         if found.proven:
             events += len(found.events)
         else:
-            events += 0
-        if found.message.startswith(REFUSED):
-            refused += 1
             print(f"{family} seed {options.seed} number {number}: {found.message}", flush=True)
     seconds = time.process_time() - begin
-    print(
-        f"{proven.total()} of {options.scenes} scenes proven, {events} events, {refused} refused, {seconds:.0f} s"
-    )
+    print(f"{proven.total()} of {options.scenes} scenes proven, {events} events, {seconds:.0f} s")
     print(", ".join(f"{family} {proven[family]}" for family in FAMILIES))
-    if refused:
-        return 1
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
