@@ -122,7 +122,7 @@ class Parameters:
         return by_name(self, show)
 
     @cached_property
-    def law(self) -> FrictionLaw:
+    def _law(self) -> FrictionLaw:
         """The friction law of the two belts."""
         return FrictionLaw((Belt(self.v1, self.mu1), Belt(self.v2, self.mu2)), self.FN)
 
@@ -132,19 +132,19 @@ class Parameters:
         (5)).
         """
         alpha = whole_number("alpha", alpha, 1, len(TWO_BELTS.domains))
-        return self.A0 + self.law.force(alpha)
+        return self.A0 + self._law.force(alpha)
 
     @public
     def belt(self, boundary: int) -> Fraction:
         """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
         boundary = whole_number("boundary", boundary, 1, len(TWO_BELTS.boundaries))
-        return self.law.belts[boundary - 1].v
+        return self._law.belts[boundary - 1].v
 
     @public
     def friction(self, boundary: int) -> Fraction:
         """Return mu FN, the force of friction of the belt at `boundary` 1 or 2."""
         boundary = whole_number("boundary", boundary, 1, len(TWO_BELTS.boundaries))
-        return self.law.holding(boundary)
+        return self._law.holding(boundary)
 
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""
@@ -177,7 +177,7 @@ class OtherNumbers:
     def __init__(self, values: Mapping[str, Any]) -> None:
         vars(self).update(values)
         belts = (Belt(values["v1"], values["mu1"]), Belt(values["v2"], values["mu2"]))
-        self.law = FrictionLaw(belts, values["FN"])
+        self._law = FrictionLaw(belts, values["FN"])
 
 
 def _source(text: str) -> str:

@@ -20,7 +20,7 @@ from typing import Any
 from scipy.integrate import solve_ivp
 
 from symosc import load_scene
-from symosc.bench.event_logic import PeerError, Problem, force, margins, runner, with_solver
+from symosc.bench.event_logic import PeerError, PeerProblem, force, margins, runner, with_solver
 from symosc.bench.solvers import processor_limit
 
 TOLERANCE = 1e-13
@@ -30,7 +30,7 @@ LIMIT = 5.0
 
 
 def leave(
-    q: Problem, settings: None, mode: int, t: float, x: float, v: float, t_end: float
+    q: PeerProblem, settings: None, mode: int, t: float, x: float, v: float, t_end: float
 ) -> tuple[int, float, float]:
     """Follow a flight (modes 1 to 3) or a stick (4 and 5).
 

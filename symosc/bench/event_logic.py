@@ -25,7 +25,7 @@ import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.base.errors import SymoscError
-from symosc.bench.solvers import FoundEvent
+from symosc.bench.solvers import SolverEvent
 from symosc.engine.arithmetic import mp_context
 from symosc.friction import MODE_NAMES
 from symosc.kernels.rebind import bind
@@ -69,7 +69,7 @@ class PeerError(SymoscError, RuntimeError):
     """Raised if a peer solver cannot continue."""
 
 
-class Problem(NamedTuple):
+class PeerProblem(NamedTuple):
     """A parameter set as floats: coefficients of eq. (9), belt speeds, shorter of drive period and
     free period.
     """
@@ -87,7 +87,7 @@ class Problem(NamedTuple):
     theta: float  # the phase of the drive at t = 0
 
 
-def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
+def problem(p: Parameters, origin: Fraction = Fraction(0)) -> PeerProblem:
     """Return a parameter set in floats with the time counted from `origin`, so that late times keep
     their digits.
     """
@@ -102,13 +102,15 @@ def problem(p: Parameters, origin: Fraction = Fraction(0)) -> Problem:
     A1, A2, A3 = (float(p.A(alpha)) / m for alpha in (1, 2, 3))
     v1 = float(p.v1)
     v2 = float(p.v2)
-    return Problem(A1, A2, A3, float(p.B0) / m, Omega, stiffness, damping, v1, v2, period, theta)
+    return PeerProblem(
+        A1, A2, A3, float(p.B0) / m, Omega, stiffness, damping, v1, v2, period, theta
+    )
 
 
 def from_now(q, t):
     """Return the problem `q` with its clock set to 0 at the time t."""
     theta = (q.theta + q.Omega * t) % (2.0 * pi)
-    return Problem(
+    return PeerProblem(
         q.A1, q.A2, q.A3, q.swing, q.Omega, q.stiffness, q.damping, q.v1, q.v2, q.period, theta
     )
 
@@ -338,7 +340,7 @@ def with_solver(leave: Callable[..., tuple[int, float, float]]) -> Record:
 
 def runner(
     scene: Scene, functions: Record, settings: Any, offset: float
-) -> Callable[[], Iterator[FoundEvent]]:
+) -> Callable[[], Iterator[SolverEvent]]:
     """Return a function that follows a scene and returns its events, or raises PeerError.
 
     `functions` are those of this module, by name, bound to the solver's function `leave`;
@@ -354,11 +356,11 @@ def runner(
     follow = functions["follow"]
     follow(*arguments, 0.0)  # compiles
 
-    def events(rows: np.ndarray) -> Iterator[FoundEvent]:
+    def events(rows: np.ndarray) -> Iterator[SolverEvent]:
         for t, x, kind, boundary in rows.tolist():
-            yield FoundEvent(t0 + t, x, EVENT_KINDS[int(kind)], int(boundary))
+            yield SolverEvent(t0 + t, x, EVENT_KINDS[int(kind)], int(boundary))
 
-    def run() -> Iterator[FoundEvent]:
+    def run() -> Iterator[SolverEvent]:
         rows, count, outcome, last = follow(*arguments, duration)
         latest = t0
         if count:

@@ -25,17 +25,17 @@ from symosc.bench.event_logic import (
     CHATTER,
     ONE_STEP_OFFSET,
     PeerError,
-    Problem,
+    PeerProblem,
     problem,
     start_mode,
 )
-from symosc.bench.solvers import FoundEvent, Solver
+from symosc.bench.solvers import Solver, SolverEvent
 from symosc.friction import NEIGHBOURS
 from symosc.model import Parameters
 from symosc.scenes import Scene
 
 
-def tables(q: Problem) -> tuple[dict[Any, Any], ...]:
+def tables(q: PeerProblem) -> tuple[dict[Any, Any], ...]:
     """Return A_alpha/m by domain, belt speeds, integrator parameters by mode, and velocities just
     off a belt.
     """
@@ -50,7 +50,7 @@ def tables(q: Problem) -> tuple[dict[Any, Any], ...]:
     return A, belts, parameters, starts
 
 
-def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
+def equations(q: PeerProblem) -> tuple[list[Any], tuple[Any, Any]]:
     """Return heyoka's equations of motion and two event functions, whose zeros end a flight or
     stick.
     """
@@ -63,7 +63,7 @@ def equations(q: Problem) -> tuple[list[Any], tuple[Any, Any]]:
     return rates, (p[2] * v + p[3] * a + p[4], p[5] * v + p[6] * a + p[7])
 
 
-def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
+def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent]]:
     """Return a function that follows the motion of a scene and returns its events, with the
     integrator built before.
     """
@@ -146,7 +146,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
     # Steps that a run may take: this number per period, and as many before the first one.
     most = 100 * CHATTER * (1 + int(duration / q.period))
 
-    def run() -> Iterator[FoundEvent]:
+    def run() -> Iterator[SolverEvent]:
         nonlocal now, append, item, state, p_now
         rows: list[tuple[Any, ...]] = []
         now = mode
@@ -165,7 +165,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]
         p_now = None
         if outcome != hy.taylor_outcome.time_limit:
             raise PeerError(f"heyoka: {outcome} after {len(rows)} events")
-        return starmap(FoundEvent, rows)
+        return starmap(SolverEvent, rows)
 
     return run
 

@@ -18,8 +18,16 @@ import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.bench import event_logic
-from symosc.bench.event_logic import UNSOLVED, PeerError, Problem, margins, problem, root, runner
-from symosc.bench.solvers import FoundEvent, Solver
+from symosc.bench.event_logic import (
+    UNSOLVED,
+    PeerError,
+    PeerProblem,
+    margins,
+    problem,
+    root,
+    runner,
+)
+from symosc.bench.solvers import Solver, SolverEvent
 from symosc.kernels.compiling import compile_modules
 from symosc.model import Parameters
 from symosc.scenes import Scene
@@ -57,7 +65,7 @@ class ScanPiece(NamedTuple):
     S: float
 
 
-def scan_of(q: Problem, points: int, tolerance: float) -> Scan:
+def scan_of(q: PeerProblem, points: int, tolerance: float) -> Scan:
     """Return a scan with `points` samples per period.
 
     Raise PeerError where its closed form divides by zero.
@@ -199,7 +207,7 @@ def compiled() -> Record:
     return compile_modules((event_logic, sys.modules[__name__]))
 
 
-def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
+def prepare(points: int, scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent]]:
     """Return a function that follows a scene by the scan, with `points` samples per period, and
     returns its events.
     """

@@ -29,7 +29,7 @@ from symosc.bench.event_logic import (
     ATOL,
     STEPS_PER_PERIOD,
     PeerError,
-    Problem,
+    PeerProblem,
     force,
     margins,
     problem,
@@ -37,7 +37,7 @@ from symosc.bench.event_logic import (
     turn,
     with_solver,
 )
-from symosc.bench.solvers import FoundEvent, Solver
+from symosc.bench.solvers import Solver, SolverEvent
 from symosc.scenes import Scene
 
 #: As `ONE_STEP_OFFSET`, for methods of one step.
@@ -54,7 +54,9 @@ SIDES = {1: (1,), 2: (-1, 1), 3: (-1,), 4: (-1, 1), 5: (-1, 1)}
 Left = tuple[int, float, float, Iterable[tuple[float, State]]]
 
 
-def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable[..., float]], Any]:
+def _functions(
+    q: PeerProblem, mode: int
+) -> tuple[Callable[..., Any], list[Callable[..., float]], Any]:
     """Return a mode's right-hand side, its event functions (a margin for each exit, and `turn`),
     and its Jacobian.
     """
@@ -78,7 +80,7 @@ def _functions(q: Problem, mode: int) -> tuple[Callable[..., Any], list[Callable
     return rate, [*exits, turning], jacobian
 
 
-def integrate(options: Record, q: Problem, mode: int, x: float, v: float, t_end: float) -> Left:
+def integrate(options: Record, q: PeerProblem, mode: int, x: float, v: float, t_end: float) -> Left:
     """Follow a flight or stick with solve_ivp.
 
     Return side, t and x of its end, and the turning points before it.
@@ -107,7 +109,7 @@ def leave_by(options: Record) -> Callable[..., tuple[int, float, float]]:
     """Return the function `leave` of `event_logic` for solve_ivp with some options."""
 
     def leave(
-        q: Problem, s: None, mode: int, t: float, x: float, v: float, t_end: float
+        q: PeerProblem, s: None, mode: int, t: float, x: float, v: float, t_end: float
     ) -> tuple[int, float, float]:
         side, end, x_end, turns = integrate(options, q, mode, x, v, t_end)
         for at, state in turns:
@@ -120,7 +122,7 @@ def leave_by(options: Record) -> Callable[..., tuple[int, float, float]]:
     return leave
 
 
-def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
+def prepare(method: str, scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent]]:
     """Return a function that follows a scene by the integrator `method` with this rtol, and returns
     its events.
     """

@@ -48,7 +48,7 @@ PROCESSES = min(2, os.cpu_count() or 1)
 REFERENCE_DIGITS = 40
 
 
-class FoundEvent(NamedTuple):
+class SolverEvent(NamedTuple):
     """A switching event that a solver found, named as in `symosc.Event`."""
 
     t: float
@@ -60,7 +60,7 @@ class FoundEvent(NamedTuple):
 #: prepare(scene, tolerance) does what a user would do once (compile, build the integrator). It
 #: returns a function that follows the scene from its start to its end and returns its events; where
 #: they come in arrays, an iterator, so that making objects of them is not timed.
-Prepare: TypeAlias = Callable[[Scene, float], Callable[[], Iterable[FoundEvent]]]
+Prepare: TypeAlias = Callable[[Scene, float], Callable[[], Iterable[SolverEvent]]]
 
 
 @dataclass(frozen=True)
@@ -87,14 +87,18 @@ class Solver:
         return f"{self.needs} is not installed (extra `bench`)"
 
 
-def events_of(table: EventTable) -> Iterator[FoundEvent]:
+def events_of(table: EventTable) -> Iterator[SolverEvent]:
     """Yield the events of a table."""
     yield from map(
-        FoundEvent, table.t.tolist(), table.x.tolist(), table.kind.tolist(), table.boundary.tolist()
+        SolverEvent,
+        table.t.tolist(),
+        table.x.tolist(),
+        table.kind.tolist(),
+        table.boundary.tolist(),
     )
 
 
-def compiled(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
+def compiled(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent]]:
     """Prepare `simulate_many`.
 
     The tolerance is its `accuracy`: events with larger error estimates get more digits.
@@ -104,15 +108,15 @@ def compiled(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent
     return lambda: events_of(simulate_many(scene.parameters, start, scene.t_end, **options))
 
 
-def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
+def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[SolverEvent]]:
     """Prepare `simulate` with mpmath; the tolerance sets its number of digits: 20 for 1e-20."""
     digits = max(5, len(f"{1 / tolerance:.0f}") - 1)
 
-    def run() -> list[FoundEvent]:
+    def run() -> list[SolverEvent]:
         # As many events as the time limit allows.
         events = simulate(scene, digits=digits, max_events=10**9).events
         return [
-            FoundEvent(float(event.t), float(event.x), event.kind, event.boundary)
+            SolverEvent(float(event.t), float(event.x), event.kind, event.boundary)
             for event in events
         ]
 

@@ -29,9 +29,9 @@ from symosc.bench.solvers import (
     HANG,
     OURS,
     REFERENCE_DIGITS,
-    FoundEvent,
     Outcome,
     Solver,
+    SolverEvent,
     Worker,
     all_solvers,
 )
@@ -80,7 +80,7 @@ ERROR_KEYS = ("error", "error_t", "error_x", "missed", "invented", "missed_graze
 
 
 @dataclass(frozen=True)
-class Span:
+class TimeSpan:
     """A scene to time, its number of events, and the exact events to compare with: those before the
     time `until`.
     """
@@ -101,7 +101,7 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
 
 def measure(
     solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float
-) -> tuple[list[float], list[float], list[FoundEvent]]:
+) -> tuple[list[float], list[float], list[SolverEvent]]:
     """Measure a solver on a scene.
 
     Return its times, times of one closed-form evaluation, and events up to `until`.
@@ -175,7 +175,7 @@ def run(
         chosen = QUICK_SCENE_SPANS
     else:
         chosen = SCENE_SPANS
-    spans: dict[str, tuple[Span, Span]] = {}
+    spans: dict[str, tuple[TimeSpan, TimeSpan]] = {}
     able = [solver for solver in solvers if not solver.missing]
     tolerances = {solver: solver.tolerances for solver in able}
     if quick:
@@ -191,7 +191,7 @@ def run(
     rows: list[Record] = []
     with Worker() as worker:
 
-        def call(solver: Solver, tolerance: float, span: Span) -> Outcome:
+        def call(solver: Solver, tolerance: float, span: TimeSpan) -> Outcome:
             worker.warm(solver.name, prepare, solver, span.scene, tolerance)
             return worker.call(
                 limit, measure, solver, span.scene, tolerance, span.until, limit, budget
@@ -225,7 +225,7 @@ def run(
     }
 
 
-def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Span]:
+def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[TimeSpan, TimeSpan]:
     """Return a scene cut off after `short` events, and cut off after `long` events.
 
     The first is compared as a whole.
@@ -237,11 +237,11 @@ def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Sp
     def until(events: Sequence[Event], number: int) -> float:
         return (float(events[number - 1].t) + float(events[number].t)) / 2
 
-    def span(count: int, compared: int) -> Span:
+    def span(count: int, compared: int) -> TimeSpan:
         end = until(simulate(scene, t_end=far, max_events=count + 1).events, count)
         exact = simulate(scene, t_end=far, max_events=compared + 1, digits=REFERENCE_DIGITS).events
         cut = replace(scene, t_end=read_exact("t_end", end))
-        return Span(cut, count, exact[:compared], until(exact, compared))
+        return TimeSpan(cut, count, exact[:compared], until(exact, compared))
 
     first = span(short, short)
     if short == long:
@@ -249,7 +249,7 @@ def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[Span, Sp
     return first, span(long, compared)
 
 
-def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Record:
+def _measured(call: Callable[[TimeSpan], Outcome], short: TimeSpan, long: TimeSpan) -> Record:
     """Measure a solver on the short span and, if it is fast, on the long one.
 
     Return its times, errors and failure.
@@ -272,7 +272,7 @@ def _measured(call: Callable[[Span], Outcome], short: Span, long: Span) -> Recor
     return row | {"failure": failure, "warnings": list(warnings)}
 
 
-def _row_numbers(outcome: Outcome, span: Span) -> Record:
+def _row_numbers(outcome: Outcome, span: TimeSpan) -> Record:
     """Return a solver's times on a span and its errors against the reference; None in each after a
     failure.
     """
@@ -299,7 +299,7 @@ def _row_numbers(outcome: Outcome, span: Span) -> Record:
     )
 
 
-def compare(events: Sequence[FoundEvent], scene: Scene, exact: Sequence[Event]) -> Record:
+def compare(events: Sequence[SolverEvent], scene: Scene, exact: Sequence[Event]) -> Record:
     """Compare a solver's events with the exact ones of a scene: largest errors, and how many are
     missed or invented.
     """

@@ -112,7 +112,7 @@ class Region(NamedTuple):
     proven: float
 
 
-class Task(NamedTuple):
+class BoxTask(NamedTuple):
     """A rectangle of the plane of two parameters in which a word is still to be proven, and orbits
     that it may have.
     """
@@ -170,7 +170,7 @@ def flight_first(word: str) -> tuple[str, ...]:
     return labels[first:] + labels[:first]
 
 
-class Plane(NamedTuple):
+class ParameterPlane(NamedTuple):
     """A plane of two parameters, with their names and ranges.
 
     `p` has the values of the other nine parameters.
@@ -332,8 +332,9 @@ class Plane(NamedTuple):
     # -- boxes -------------------------------------------------------------------------------------
 
     def orbit_near(self, box: Rectangle) -> Candidate | None:
-        """Return labels and unknowns (`Flights`) of the attracting orbit at a box's middle; None if
-        none is usable.
+        """Return labels and unknowns (`BoxEquations`) of the attracting orbit at a box's middle.
+
+        None if none is usable.
         """
         middle = self.at([(low + high) / 2 for low, high in box])
         try:
@@ -351,7 +352,7 @@ class Plane(NamedTuple):
         points = [(t * Omega, x) for t, x in orbit.points[first:] + orbit.points[:first]]
         return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
 
-    def attempt(self, task: Task) -> tuple[str, ProvenBox | None, list[Task]]:
+    def attempt(self, task: BoxTask) -> tuple[str, ProvenBox | None, list[BoxTask]]:
         """Try to prove one word in a task's rectangle.
 
         Return the word, the box if proven, and the parts left to try.
@@ -385,7 +386,10 @@ class Plane(NamedTuple):
             return (
                 "",
                 None,
-                [Task(part, tuple(found[:MOST_NEAR])) for part in divided(box, _longer_side(box))],
+                [
+                    BoxTask(part, tuple(found[:MOST_NEAR]))
+                    for part in divided(box, _longer_side(box))
+                ],
             )
         word = canonical(labels)
         along = None
@@ -408,14 +412,14 @@ class Plane(NamedTuple):
         ]
         near = [(labels, surface.near(*((by, 0) if along == 0 else (0, by)))) for by in (-0.5, 0.5)]
         parts = zip(divided(box, along), near, strict=True)
-        return word, None, [Task(part, (each, *others), divide) for part, each in parts]
+        return word, None, [BoxTask(part, (each, *others), divide) for part, each in parts]
 
 
 @lru_cache(maxsize=256)
 def _flights(labels: tuple[str, ...], p: Parameters, names: tuple[str, str]) -> Any:
-    from symosc.certificates.plane import Flights, mirrors
+    from symosc.certificates.plane import BoxEquations, mirrors
 
-    return Flights(labels, mirrors(p, names))
+    return BoxEquations(labels, mirrors(p, names))
 
 
 def _longer_side(box: Rectangle) -> int:
@@ -481,17 +485,17 @@ class Cover:
     larger ones first.
     """
 
-    def __init__(self, plane: Plane) -> None:
+    def __init__(self, plane: ParameterPlane) -> None:
         self.plane = plane
         self.count = 0
         self.area = Fraction(0)
         self.proven = list[ProvenBox]()
         self.small = list[Rectangle]()
-        self.heap = list[tuple[float, int, Task]]()
+        self.heap = list[tuple[float, int, BoxTask]]()
         #: Places near to each other with different words.
         self.changes = list[tuple[Place, Place]]()
 
-    def add(self, *tasks: Task) -> None:
+    def add(self, *tasks: BoxTask) -> None:
         """Add rectangles to prove.
 
         One where the mass may rest everywhere counts as proven at once.
@@ -562,7 +566,7 @@ class Cover:
                 above = (*middle_of(first[0].range), first[0].word)
             else:
                 above = None
-            self.add(Task(box, tuple(near.values()), above=above))
+            self.add(BoxTask(box, tuple(near.values()), above=above))
 
 
 @dataclass(frozen=True, repr=False)
@@ -691,7 +695,7 @@ class Atlas(Drawable):
                 raise ParameterError(
                     name, values[name], f"must be between {show(low)} and {show(high)}"
                 )
-        plane = Plane(self.parameters, self.over, self.range)
+        plane = ParameterPlane(self.parameters, self.over, self.range)
         if plane.rests(((x, x), (y, y))):
             return REST
         for i in self._around(float(x), float(y)):
@@ -855,7 +859,7 @@ def atlas(
         else:
             grid = plane.grid(pool)
             pairs = neighbours(grid)
-            cover.add(*map(Task, plane.cut_at_rest()))
+            cover.add(*map(BoxTask, plane.cut_at_rest()))
         borders = plane.borders(pairs)
         cover.run(share, began + limit, pool, report)
     borders = plane.borders(cover.changes, borders)  # those that the grid has missed
@@ -865,9 +869,9 @@ def atlas(
     return made
 
 
-def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
+def _read_plane(p: Parameters, over: Mapping[str, Any]) -> ParameterPlane:
     """Check the arguments of `atlas`, and return the oscillator, both names and both ranges as a
-    `Plane`.
+    `ParameterPlane`.
     """
     if len(over) != 2 or not set(over) <= set(PARAMETER_NAMES):
         names = ", ".join(PARAMETER_NAMES)
@@ -885,7 +889,7 @@ def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
             )
         ranges.append((low, high))
     first, second = over
-    plane = Plane(p, (first, second), (ranges[0], ranges[1]))
+    plane = ParameterPlane(p, (first, second), (ranges[0], ranges[1]))
     for name, at in product("ck", map(plane.at, product(*ranges))):
         if getattr(at, name) <= 0:
             raise ParameterError(
@@ -896,7 +900,7 @@ def _read_plane(p: Parameters, over: Mapping[str, Any]) -> Plane:
 
 def _read_file(
     path: Any,
-) -> tuple[Plane, list[ProvenBox], list[Rectangle], tuple[Place, ...], list[Any]]:
+) -> tuple[ParameterPlane, list[ProvenBox], list[Rectangle], tuple[Place, ...], list[Any]]:
     """Read the file of an atlas.
 
     Return its plane, boxes, open boxes, grid, and pairs of places beside its borders.
@@ -909,7 +913,9 @@ def _read_file(
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
         first, second = data["over"]
-        plane = Plane(Parameters(**data["parameters"]), (first, second), box(data["range"]))
+        plane = ParameterPlane(
+            Parameters(**data["parameters"]), (first, second), box(data["range"])
+        )
         boxes = []
         pairs = []
         for row in data["boxes"]:

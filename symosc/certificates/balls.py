@@ -83,7 +83,7 @@ def entire_0f1(b: Ball, z: Ball) -> Ball:
     return total
 
 
-class Oscillator:
+class OscillatorInBalls:
     """The constants of an oscillator as balls or, for a family, as wide balls or power series."""
 
     # `ranges` replaces parameters of `p`. The first coefficient of a power series in a change of one
@@ -159,7 +159,7 @@ class Jet(NamedTuple):
 Curve = Callable[[Ball], Jet]
 
 
-class Margin(NamedTuple):
+class SignedGap(NamedTuple):
     """A function of the time since a flight's start that must be > 0 during the flight."""
 
     what: str
@@ -168,7 +168,7 @@ class Margin(NamedTuple):
     at_end: bool = False  # whether g is known to be 0 where it ends
 
 
-def prove_positive(margin: Margin, span: Ball) -> None:
+def prove_positive(margin: SignedGap, span: Ball) -> None:
     """Prove that a margin is > 0 from time 0 to any time in the ball `span`, or raise Undecided."""
     # On a step one of these is enough, where g > 0 is known at its start: g > 0; g' > 0; g'' > 0 if it
     # begins with a flight that leaves a stick; g' < 0 if it ends with the flight, where g = 0.

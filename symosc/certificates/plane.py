@@ -13,7 +13,7 @@ coefficients at another place of the box. The forms are found from exact directi
 cancels in them does so before the place is a ball. The Jacobian is that at the middle plus its
 change along both sides. The rest is Krawczyk's proof.
 
-The inequalities of the word follow from a few numbers (`Flights.margins`), by Taylor's theorem of
+The inequalities of the word follow from a few numbers (`BoxEquations.margins`), by Taylor's theorem of
 order 2:
 
 - At the end of a flight the acceleration says how v meets the belt, and whether it crosses or
@@ -47,8 +47,8 @@ from flint import acb, acb_series, arb, arb_mat, arb_series, ctx
 from symosc.certificates.balls import (
     Ball,
     Jet,
-    Margin,
-    Oscillator,
+    OscillatorInBalls,
+    SignedGap,
     Undecided,
     Values,
     ball,
@@ -135,7 +135,7 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
     return {}
 
 
-class Flown:
+class BoxFlight:
     """A flight of a word, followed for a time `tau`: x0 and a0 at its start; x, v and a at its end.
 
     The unknowns `u` of the orbit are balls or power series. E, E1 = E' and phi are the motions
@@ -146,7 +146,7 @@ class Flown:
     computed without a division.
     """
 
-    def __init__(self, o: Oscillator, leg: Leg, u: Values, tau: Ball) -> None:
+    def __init__(self, o: OscillatorInBalls, leg: Leg, u: Values, tau: Ball) -> None:
         phase = u[leg.at]
         speed = o.speed[leg.piece.start]
         A = o.A[leg.piece.mode]
@@ -199,7 +199,7 @@ class Flown:
         change = component(begins * (turned - 1), 0)  # of cos(theta)
         self.x = self.x0 + (o.B0 * change - o.c * (self.v - speed) - o.m * (self.a - self.a0)) / o.k
 
-    def jerk(self, o: Oscillator, sine: Ball) -> Ball:
+    def jerk(self, o: OscillatorInBalls, sine: Ball) -> Ball:
         """Return the derivative of the acceleration at the end of the flight.
 
         `sine` is the sine of the phase there.
@@ -207,7 +207,7 @@ class Flown:
         return -o.cm * self.a - o.km * self.v - o.drive * sine
 
 
-class Flights:
+class BoxEquations:
     """The closing equations of a word; the unknowns are phase, x and duration of each flight.
 
     After a stick x is no unknown: it follows from the force, which is 0 where the stick ends.
@@ -254,7 +254,7 @@ class Flights:
             ]
         return found
 
-    def points(self, o: Oscillator, u: Values) -> list[tuple[float, float]]:
+    def points(self, o: OscillatorInBalls, u: Values) -> list[tuple[float, float]]:
         """Return phase and position of the switching point at which each label begins, from the
         unknowns `u`.
         """
@@ -268,14 +268,14 @@ class Flights:
             found += [(phase + float(arb.pi()), twice - x) for phase, x in found]
         return found
 
-    def flown(self, o: Oscillator, u: Values) -> list[Flown]:
+    def flown(self, o: OscillatorInBalls, u: Values) -> list[BoxFlight]:
         """Return all flights of the oscillator `o`, with the unknowns `u` of an orbit, followed to
         their ends.
         """
-        return [Flown(o, leg, u, u[leg.tau]) for leg in self.legs]
+        return [BoxFlight(o, leg, u, u[leg.tau]) for leg in self.legs]
 
     def next_start(
-        self, o: Oscillator, i: int, u: Values, flown: Sequence[Flown]
+        self, o: OscillatorInBalls, i: int, u: Values, flown: Sequence[BoxFlight]
     ) -> tuple[Ball, Ball]:
         """Return phase and position at the start of the flight after flight i.
 
@@ -288,7 +288,7 @@ class Flights:
             o.A[1] + o.A[3]
         ) / o.k - x if self.mirrored else x
 
-    def residuals(self, o: Oscillator, u: Values) -> tuple[list[Flown], Values]:
+    def residuals(self, o: OscillatorInBalls, u: Values) -> tuple[list[BoxFlight], Values]:
         """Return the flights followed to their ends, and the residuals of the closing equations."""
         flown = self.flown(o, u)
         found = list[Ball]()
@@ -303,12 +303,14 @@ class Flights:
                 found += [there.v - speed, there.x - x, start + o.Omega * tau - phase]
         return flown, found
 
-    def slopes(self, o: Oscillator, leg: Leg, u: Values, share: float = 1) -> dict[str, Values]:
+    def slopes(
+        self, o: OscillatorInBalls, leg: Leg, u: Values, share: float = 1
+    ) -> dict[str, Values]:
         """Return a dict of derivatives by a flight's unknowns: of x0, and of x, v, a after a
         `share` of its time.
         """
         tau = u[leg.tau] * share
-        d = Flown(o, leg, u, tau)
+        d = BoxFlight(o, leg, u, tau)
         s0 = u[leg.at].sin()
         s1 = (u[leg.at] + o.Omega * tau).sin()
         crossed = not leg.piece.after_stick
@@ -329,7 +331,9 @@ class Flights:
         by_tau = {"x0": arb(0), "x": d.v * share, "v": d.a * share, "a": d.jerk(o, s1) * share}
         return {name: [by[name] for by in (by_phase, by_x, by_tau) if by] for name in by_tau}
 
-    def jacobian(self, o: Oscillator, u: Values) -> tuple[list[dict[str, Values]], list[Values]]:
+    def jacobian(
+        self, o: OscillatorInBalls, u: Values
+    ) -> tuple[list[dict[str, Values]], list[Values]]:
         """Return the `slopes` of all flights, and the Jacobian of the residuals as a list of rows."""
         slopes = [self.slopes(o, leg, u) for leg in self.legs]
         rows = list[Values]()
@@ -362,7 +366,7 @@ class Flights:
 
     # -- the inequalities --------------------------------------------------------------------------
 
-    def turn(self, o: Oscillator, belt: int, index: int) -> Ball:
+    def turn(self, o: OscillatorInBalls, belt: int, index: int) -> Ball:
         """Return a phase at which k v + B0 Omega sin theta = 0 on a belt.
 
         Sin theta rises there for an even `index`.
@@ -370,7 +374,7 @@ class Flights:
         angle = (-o.k * o.speed[belt] / o.drive / o.m).asin()
         return index * arb.pi() + (-angle if index % 2 else angle)
 
-    def turns_between(self, o: Oscillator, belt: int, low: Ball, high: Ball) -> list[int]:
+    def turns_between(self, o: OscillatorInBalls, belt: int, low: Ball, high: Ball) -> list[int]:
         """Return the indices of all turns of the forces on a belt that may lie between the phases
         `low` and `high`.
         """
@@ -385,13 +389,15 @@ class Flights:
         turns = [(index, self.turn(o, belt, index)) for index in range(first, last)]
         return [index for index, phase in turns if not phase < low and not phase > high]
 
-    def drift(self, o: Oscillator, belt: int, phase: Ball) -> Ball:
+    def drift(self, o: OscillatorInBalls, belt: int, phase: Ball) -> Ball:
         """Return k v + B0 Omega sin(theta), that is -m dF/dt of both forces on a belt of speed v,
         at a phase theta.
         """
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
-    def sections(self, o: Oscillator, leg: Leg, u: Values) -> list[tuple[int, Ball, Ball]] | None:
+    def sections(
+        self, o: OscillatorInBalls, leg: Leg, u: Values
+    ) -> list[tuple[int, Ball, Ball]] | None:
         """Cut a flight with gap g at the turns.
 
         Return a list of (sign of m g'' + c g' + k g, begin, end), or None.
@@ -413,7 +419,7 @@ class Flights:
             found.append((-leg.side if value > 0 else leg.side, low, high))
         return found
 
-    def plan(self, o: Oscillator, u: Values) -> Plan:
+    def plan(self, o: OscillatorInBalls, u: Values) -> Plan:
         """Return how to prove the word for all unknowns in the balls u: turns in each stick, and
         cuts of each flight.
 
@@ -430,7 +436,7 @@ class Flights:
             cuts.append(self.cuts(o, leg, u) if leg.piece.start == leg.piece.end else None)
         return turns, cuts
 
-    def cuts(self, o: Oscillator, leg: Leg, u: Values) -> list[Cut] | None:
+    def cuts(self, o: OscillatorInBalls, leg: Leg, u: Values) -> list[Cut] | None:
         """Return the points (`Cut`) of a flight at which to show that its gap is > 0; None if it
         needs short steps.
         """
@@ -459,7 +465,7 @@ class Flights:
             return None
         return [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
 
-    def stays(self, o: Oscillator, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
+    def stays(self, o: OscillatorInBalls, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
         """Return whether the gap of a flight back to its belt is > 0 all the time, if it is > 0 at
         the `cuts`.
         """
@@ -497,9 +503,9 @@ class Flights:
 
     def margins(
         self,
-        o: Oscillator,
+        o: OscillatorInBalls,
         u: Values,
-        flown: Sequence[Flown],
+        flown: Sequence[BoxFlight],
         plan: Plan,
         slopes: Sequence[dict[str, Values]] = (),
     ) -> list[Inequality]:
@@ -556,7 +562,7 @@ class Flights:
             else:
                 add(f"{piece.label} crosses belt {belt}", meets - jump, by_meets)
             for share, reach in plan[1][i] or ():
-                cut = Flown(o, leg, u, tau * share)
+                cut = BoxFlight(o, leg, u, tau * share)
                 if slopes:
                     rates = self.slopes(o, leg, u, share)
                 else:
@@ -571,7 +577,7 @@ class Flights:
                     add(f"v meets belt {belt} during {piece.label}", ahead, (leg.at, changes))
         return found
 
-    def prove_flights(self, o: Oscillator, u: Values, plan: Plan) -> None:
+    def prove_flights(self, o: OscillatorInBalls, u: Values, plan: Plan) -> None:
         """Prove that no flight meets a belt before its end, if all margins are > 0.
 
         Raise Undecided if that fails.
@@ -602,13 +608,15 @@ class Flights:
                 else:
                     zeros = 1
                 gap = partial(self.gap, o, leg, u, side, speed)
-                prove_positive(Margin(piece.label, gap, zeros, belt == piece.end), u[leg.tau])
+                prove_positive(SignedGap(piece.label, gap, zeros, belt == piece.end), u[leg.tau])
 
-    def gap(self, o: Oscillator, leg: Leg, u: Values, side: int, speed: Ball, tau: Ball) -> Jet:
+    def gap(
+        self, o: OscillatorInBalls, leg: Leg, u: Values, side: int, speed: Ball, tau: Ball
+    ) -> Jet:
         """Return how far a flight is above (side 1) or below (side -1) a velocity `speed` at a time
         after its start.
         """
-        there = Flown(o, leg, u, tau)
+        there = BoxFlight(o, leg, u, tau)
         jerk = there.jerk(o, (u[leg.at] + o.Omega * tau).sin())
         return Jet(tau, side * (there.v - speed), side * there.a, side * jerk)
 
@@ -636,7 +644,7 @@ def component(value: Ball, imaginary: int) -> Ball:
     return arb_series([each.imag if imaginary else each.real for each in value], prec=value.prec)
 
 
-def longest_part(o: Oscillator) -> float:
+def longest_part(o: OscillatorInBalls) -> float:
     """Return a time that is just less than half a period of the motion without drive (infinity if
     it has no period).
     """
@@ -676,7 +684,7 @@ class Surface:
         p: Parameters,
         names: Sequence[str],
         box: Rectangle,
-        flights: Flights,
+        flights: BoxEquations,
         near: Sequence[float],
     ) -> None:
         self.p = p
@@ -709,13 +717,13 @@ class Surface:
                 return
         raise NotInBox("a root of the closing equations")
 
-    def oscillator(self, values: Sequence[Ball]) -> Oscillator:
+    def oscillator(self, values: Sequence[Ball]) -> OscillatorInBalls:
         """Return the oscillator with the given values of both parameters of the plane."""
-        return Oscillator(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
+        return OscillatorInBalls(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
 
     def directed(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
-    ) -> tuple[Oscillator, Values]:
+    ) -> tuple[OscillatorInBalls, Values]:
         """Return oscillator and unknowns as power series of `count` terms along the direction `d`
         in the box.
 
@@ -755,7 +763,7 @@ class Surface:
         place = arb(0, 1)
         zero = arb(0)
         da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
-        thin = list[tuple[Oscillator, Values, list[Flown]]]()
+        thin = list[tuple[OscillatorInBalls, Values, list[BoxFlight]]]()
         bends = list[arb_mat]()
         rest = [zero] * flights.count
         for d in DIRECTIONS[:3]:
@@ -819,7 +827,7 @@ class Surface:
 
     def _coefficients(
         self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
-    ) -> tuple[list[arb_mat], tuple[Oscillator, Values, list[Flown]]]:
+    ) -> tuple[list[arb_mat], tuple[OscillatorInBalls, Values, list[BoxFlight]]]:
         """Return coefficients of Y f (f: residuals, Y: nearly J^-1), and series of oscillator,
         unknowns, flights.
         """

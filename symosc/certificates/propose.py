@@ -94,7 +94,7 @@ MODE_NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
 Interval = tuple[Fraction, Fraction]
 
 
-class Open(Exception):
+class NothingProposed(Exception):
     """Raised if not all can be proposed: `what` is undecided, after the events of a `statement`."""
 
     def __init__(self, what: str, statement: Record | None = None) -> None:
@@ -211,7 +211,7 @@ def certify_motion(task: ToProve) -> Certificate:
             message = certificate.message
             if NEAR_MISS in message:
                 break
-    except Open as undecided:
+    except NothingProposed as undecided:
         message = undecided.what
         statement = undecided.statement or statement
     rows = []
@@ -239,19 +239,19 @@ def _statements(task: ToProve) -> Iterator[Record]:
     run = task.run(working)
     touch = _possible_touch(task, run, working)
     if touch is not None:
-        with suppress(Open):
+        with suppress(NothingProposed):
             yield from _touching(task, touch, run)
         # What the engine takes for a touch may be none: its estimates are of first order.
         run = _followed(task._replace(errors=EXACT), working)
     if run.status == "max_events":
-        raise Open(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
+        raise NothingProposed(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
     # The checker's sets are wider than the estimates, and it says how wide they are.
     statement = about(task, run, [row_of(event, WIDER[0], task.digits) for event in run.events])
     sets, reason = enclosed(statement)
     rows = statement["events"][: len(sets)]
     if reason:
         known_rows = statement | {"events": rows}
-        raise Open(f"not confirmed by the checker: not proven: {reason}", known_rows)
+        raise NothingProposed(f"not confirmed by the checker: not proven: {reason}", known_rows)
     for wider in WIDER:
         wide_rows = []
         for row, ends in zip(rows, sets, strict=True):
@@ -300,7 +300,7 @@ def enclosed(statement: Record) -> tuple[list[tuple[Interval, Interval]], str]:
         limits = verify.LIMITS | {"left": verify.LIMITS["steps"]}
         with verify.LOCK, ctx.workprec(bits):
             try:
-                problem = verify.Problem(data["parameters"], limits)
+                problem = verify.StatedOscillator(data["parameters"], limits)
                 motion = verify.begin(problem, start, data["start_error"], [])
                 for row in data["events"]:
                     motion = motion.after_event(row)
@@ -335,14 +335,18 @@ def _followed(task: ToProve, digits: int, most: int | None = None, **changes: An
         remark = TOUCHES if task.exact else ""
         raise open_after(task, run, f"{NEAR_MISS} near t = {near}", working, remark)
     if run.status == "max_events" and most is None:
-        raise Open(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
+        raise NothingProposed(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
     return run
 
 
-def open_after(task: ToProve, run: Trajectory, what: str, digits: int, remark: str = "") -> Open:
+def open_after(
+    task: ToProve, run: Trajectory, what: str, digits: int, remark: str = ""
+) -> NothingProposed:
     """Return the exception that says what so many digits do not decide, with the events of `run`."""
     rows = [row_of(event, EXACT_ROW, task.digits) for event in run.events]
-    return Open(f"{what} is not decided with {digits} digits{remark}", about(task, run, rows))
+    return NothingProposed(
+        f"{what} is not decided with {digits} digits{remark}", about(task, run, rows)
+    )
 
 
 def _exact_statement(task: ToProve, finer: int) -> Record:
@@ -570,7 +574,9 @@ class OrbitInDigits:
         guess = [(context.convert(x), context.convert(t) * Omega) for t, x in points]
         solution = polish(self.equations, guess)
         if not solution.converged:
-            raise Open(f"a root of the closing equations is not found: {solution.reason}")
+            raise NothingProposed(
+                f"a root of the closing equations is not found: {solution.reason}"
+            )
         self.solution = solution.points
         self.context = context
         self.pieces = self.equations.pieces
@@ -655,7 +661,7 @@ def certify_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
             if certificate.proven:
                 return certificate
             message = certificate.message
-    except Open as undecided:
+    except NothingProposed as undecided:
         message = undecided.what
     return Certificate("settled", False, message)
 
@@ -751,7 +757,7 @@ def _cycle(orbit: OrbitInDigits, place: int, event: Event) -> Cycle | None:
     while shape is None:
         turns += 1
         if turns > MOST_TURNS:
-            raise Open("a norm in which the orbit attracts is not found")
+            raise NothingProposed("a norm in which the orbit attracts is not found")
         whole = once * whole
         shape = _contracted_box(whole)
     t, x = orbit.points[place]

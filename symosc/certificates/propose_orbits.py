@@ -33,7 +33,7 @@ from symosc.certificates.certificate import (
 from symosc.certificates.propose import (
     DIGITS,
     Interval,
-    Open,
+    NothingProposed,
     OrbitInDigits,
     around,
     fraction,
@@ -113,7 +113,7 @@ def certify_orbit(
     for digits in ORBIT_DIGITS:
         try:
             orbit = OrbitInDigits(p, word.labels, periods, points, digits)
-        except Open as undecided:
+        except NothingProposed as undecided:
             reason = f"not decided: {undecided.what}, in {digits} digits"
             continue
         failed = failing(conditions(orbit.equations, orbit.solution))
@@ -229,7 +229,7 @@ def _is_marginal(p: Parameters, word: Word, periods: int, points: Points) -> boo
 # -- branches --------------------------------------------------------------------------------------
 
 
-class BranchEnd(NamedTuple):
+class ProposedEnd(NamedTuple):
     """An end of a branch: its kind, the parameter's value there, and (t, x) of the orbit's points."""
 
     kind: str
@@ -237,7 +237,7 @@ class BranchEnd(NamedTuple):
     points: Points
 
 
-class Family(NamedTuple):
+class ProposedFamily(NamedTuple):
     """Orbits at both ends of an interval of the parameter, `low` to `high`, and in its middle.
 
     Each has its values: t and x of all events of a period.
@@ -280,7 +280,7 @@ def certify_branch(
     Return the certificate.
     """
     ends = [
-        BranchEnd(
+        ProposedEnd(
             branch.ends[i].kind,
             Fraction(str(float(branch.values[i]))),
             [(float(t), float(x)) for t, x in branch.points[i]],
@@ -309,14 +309,14 @@ class BranchProposal:
         name: str,
         labels: Sequence[str],
         periods: int,
-        ends: tuple[BranchEnd, BranchEnd],
+        ends: tuple[ProposedEnd, ProposedEnd],
     ) -> None:
         self.p = p
         self.name = name
         self.word = Word(tuple(labels))
         self.periods = periods
         self.ends = ends
-        self.families = list[Family]()
+        self.families = list[ProposedFamily]()
 
     def orbit(self, value: Fraction, near: Points) -> OrbitInDigits:
         """Return the root of the closing equations at one value of the parameter."""
@@ -328,7 +328,7 @@ class BranchProposal:
             BRANCH_DIGITS,
         )
 
-    def family(self, low: Fraction, high: Fraction, near: OrbitInDigits | Points) -> Family:
+    def family(self, low: Fraction, high: Fraction, near: OrbitInDigits | Points) -> ProposedFamily:
         """Return the orbits at both ends of an interval and in its middle.
 
         `near` is the orbit at its lower end, or has points near it.
@@ -343,7 +343,7 @@ class BranchProposal:
         ]
         last = self.orbit(high, ahead)
         values = tuple(_values(orbit) for orbit in (first, middle, last))
-        return Family(low, high, values, last)  # type: ignore[arg-type]
+        return ProposedFamily(low, high, values, last)  # type: ignore[arg-type]
 
     def certificate(
         self, stable: bool | None = True, progress: Callable[[float], None] | None = None
@@ -351,7 +351,7 @@ class BranchProposal:
         """Propose every orbit of the branch and both of its ends; return the certificate."""
         try:
             return self._proposed(stable, progress)
-        except Open as undecided:
+        except NothingProposed as undecided:
             near = ""
             if self.families:
                 near = f" near {self.name} = {float(self.families[-1].high):.12g}"
@@ -369,7 +369,7 @@ class BranchProposal:
         return confirmed("branch", self._statement(rows, ends, stable, self.families[0]))
 
     def _statement(
-        self, rows: list[Record], ends: list[Record], stable: bool | None, family: Family
+        self, rows: list[Record], ends: list[Record], stable: bool | None, family: ProposedFamily
     ) -> Record:
         """Return the contents of a file with these rows and ends; `family` is one of the rows."""
         events = [what for what, _, _ in family.last.switchings(0)]
@@ -385,7 +385,7 @@ class BranchProposal:
             "boxes": rows,
         }
 
-    def _refusal(self, family: Family, ends: dict[int, Record], stable: bool | None) -> str:
+    def _refusal(self, family: ProposedFamily, ends: dict[int, Record], stable: bool | None) -> str:
         """Return why the checker does not prove a branch of one interval, or "".
 
         `ends` has what is not the end of the interval, by its side.
@@ -427,7 +427,7 @@ class BranchProposal:
             try:
                 family = self.family(at, end, near)
                 reason = self._refusal(family, {}, stable)
-            except Open as undecided:
+            except NothingProposed as undecided:
                 reason = undecided.what
             if reason:
                 width = (end - at) / 2
@@ -436,10 +436,10 @@ class BranchProposal:
                     continue
                 if stable and not self._refusal(family, {}, None):
                     return self._cover(low, high, None, progress)
-                raise Open(reason)
+                raise NothingProposed(reason)
             self.families.append(family)
             if len(self.families) > MOST_BOXES:
-                raise Open(f"what comes after {MOST_BOXES} intervals")
+                raise NothingProposed(f"what comes after {MOST_BOXES} intervals")
             # Towards a graze intervals get narrower and narrower: wider ones would be refused.
             width = end - at
             if not halved:
@@ -451,7 +451,7 @@ class BranchProposal:
                 progress(float((at - low) / whole))
         return stable
 
-    def _end(self, end: BranchEnd, side: int) -> Record:
+    def _end(self, end: ProposedEnd, side: int) -> Record:
         """Return the branch's lower (`side` -1) or upper (1) end as the checker proves it, or raise
         Open.
         """
@@ -475,11 +475,11 @@ class BranchProposal:
                 found |= {"t": box["t"], "x": box["x"]}
                 if not self._refusal(next_to_it, {side: found}, None):
                     return found
-        raise Open(
+        raise NothingProposed(
             f"which inequality fails beyond the {end.kind} at {self.name} = {float(end.value):.12g}"
         )
 
-    def _between(self, value: Fraction, other: Fraction, near: Points) -> Family:
+    def _between(self, value: Fraction, other: Fraction, near: Points) -> ProposedFamily:
         """Return the orbits between two values of the parameter, in either order."""
         return self.family(min(value, other), max(value, other), near)
 

@@ -212,7 +212,7 @@ SHAPES["derivatives"] = SHAPES["trajectory"] | CHANGES
 # -- motions ---------------------------------------------------------------------------------------
 
 
-class Problem:
+class StatedOscillator:
     """An oscillator: its parameters `p`, its modes by their number, and the limits of the work
     spent on a proof.
     """
@@ -338,7 +338,7 @@ class Mode:
         return True
 
 
-class Motion:
+class VerifiedMotion:
     """The motions in one mode from a set of starts (t, x, v): `centre` plus each side times any
     number in [-1, 1].
 
@@ -504,7 +504,7 @@ class Motion:
         leaves = {belt: 2}
         centre, columns, rest = self.arrive(end, belt, when)
         if flies:
-            there = Motion(self.problem, mode.number, end, centre, columns, rest=rest).first
+            there = VerifiedMotion(self.problem, mode.number, end, centre, columns, rest=rest).first
             F = (mode.M * there)[1, 0]
             jump = arb(2 * p[f"mu{end}"] * p["FN"] / p["m"])
             both = F * (F - jump if mode.number == end else F + jump)
@@ -552,7 +552,7 @@ class Motion:
         for dz in self.moved(when, [*self.columns, *(self.rest or ())]):
             dt = -(self.mode.rows[0] * dz)[i, 0] / slope
             sides.append((dt, dz[0, 0] + v * dt, arb(0)))
-        thin = Motion(self.problem, self.mode.number, self.belt, self.centre)
+        thin = VerifiedMotion(self.problem, self.mode.number, self.belt, self.centre)
         t = thin.zero(end, 0, when)
         centre = t, thin.at(t)[0, 0], v
         if self.rest is None:
@@ -601,7 +601,7 @@ class Motion:
         if self.columns or limits:
             place = [each.mid() for each in place[:2]] + place[2:]
             columns = [(arb(when.rad()), arb(0), arb(0)), (arb(0), arb(x.rad()), arb(0))]
-        return Motion(self.problem, mode.number, end, place, columns, {end: 2}, None, [])
+        return VerifiedMotion(self.problem, mode.number, end, place, columns, {end: 2}, None, [])
 
     def least(self, end, times):
         """Return the least distance f of v from the belt `end`, which is reached at a time in
@@ -658,7 +658,7 @@ def frame(sides):
 def begin(problem, start, errors, rest=None):
     """Return the motion from a start (t0, x0, v0) with errors.
 
-    On a belt forces decide its mode (`rest`: `Motion`).
+    On a belt forces decide its mode (`rest`: `VerifiedMotion`).
     """
     (t0, x0, v0) = start
     p = problem.p
@@ -676,7 +676,7 @@ def begin(problem, start, errors, rest=None):
             amplitude = v0**2 + (mode.exact * z)[1, 0] ** 2 * p["m"] / p["k"]
         else:
             amplitude = None
-        return Motion(problem, mode.number, 0, centre, columns, {}, amplitude, rest)
+        return VerifiedMotion(problem, mode.number, 0, centre, columns, {}, amplitude, rest)
     check(errors[2] == 0, "a start on a belt whose velocity is known exactly")
     if v0 == p["v1"]:
         at = 1
@@ -686,7 +686,7 @@ def begin(problem, start, errors, rest=None):
     hold = problem.mode(3 + at)
     for i in (0, 1):
         order = 0
-        value = (hold.rows[0] * Motion(problem, 3 + at, at, centre, columns).first)[i, 0]
+        value = (hold.rows[0] * VerifiedMotion(problem, 3 + at, at, centre, columns).first)[i, 0]
         exact = not any(errors) and (t0 == 0 or p["B0"] == 0)
         while exact and value.contains(0) and order < ORDERS - 5:
             value = arb((hold.row * hold.exact**order * z)[i, 0])
@@ -696,14 +696,14 @@ def begin(problem, start, errors, rest=None):
     (below, first), (above, second) = found
     if below and above:  # F > 0 below, -F > 0 above: it sticks
         leaves = {at + i: n for i, (_, n) in enumerate(found) if n}
-        return Motion(problem, 3 + at, at, centre, columns, leaves, None, rest)
+        return VerifiedMotion(problem, 3 + at, at, centre, columns, leaves, None, rest)
     if not below:
         domain = at
         order = first
     else:
         domain = at + 1
         order = second
-    return Motion(problem, domain, at, centre, columns, {at: order + 1}, None, rest)
+    return VerifiedMotion(problem, domain, at, centre, columns, {at: order + 1}, None, rest)
 
 
 def leave(problem, start, errors, until):
@@ -728,7 +728,7 @@ def leave(problem, start, errors, until):
         `start`.
         """
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
-        return Motion(problem, mode, at, [arb(value) for value in start], columns, leaves)
+        return VerifiedMotion(problem, mode, at, [arb(value) for value in start], columns, leaves)
 
     wide = until - t0, errors[1] + abs(v0) * (until - t0 + errors[0])
     now = motion(3 + at, *errors[:2]).first
@@ -881,7 +881,7 @@ def trajectory(data, source, limits):
 
     Return what is proven, as lines of text.
     """
-    problem = Problem(data["parameters"], limits)
+    problem = StatedOscillator(data["parameters"], limits)
     start, errors, shown = read_start(data, source)
     starts = [(start, errors)]
     if any(errors):
@@ -930,7 +930,7 @@ def trajectory(data, source, limits):
     return [first, shown, *table(source["events"]), *lines]
 
 
-def period(problem, rows, centre, widths, turn, kind=Motion):
+def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
     """Follow a box of t and x at the first event through all events in `rows`.
 
     Return the motions, u and D.
@@ -963,7 +963,7 @@ def settled(data, source, limits):
     """Prove that a motion has its first events, then a cycle of events again and again, and the
     last events stated.
     """
-    problem = Problem(data["parameters"], limits)
+    problem = StatedOscillator(data["parameters"], limits)
     until = data["may_stick_until"]
     start, errors, shown = read_start(data, source)
     events = data["events"]
@@ -1057,7 +1057,7 @@ def window(data, source, limits):
 
     Return lines of text.
     """
-    problem = Problem(data["parameters"], limits)
+    problem = StatedOscillator(data["parameters"], limits)
     where = data["grazes"]
     ends = data["ends"]
     p = problem.p

@@ -75,7 +75,7 @@ plane has one word:
    it. What is "found" is not proven; but no point of a border may be inside a box, where the word
    does not change.
 
-The letters of the code are those above; e is an `Oscillator`, q in `Flight.parts` is that of 12,
+The letters of the code are those above; e is an `BallOscillator`, q in `Flight.parts` is that of 12,
 and Y is a matrix near the inverse of J. `data`, `source`, `limits` and `where` are those of
 verify.py.
 """
@@ -416,7 +416,7 @@ def entire(b, z):
     return total
 
 
-class Oscillator:
+class BallOscillator:
     """The oscillator with balls or series as parameters.
 
     H = c/(2m), and A has the constant force in each domain.
@@ -521,7 +521,7 @@ class Oscillator:
         return arb.pos_inf()
 
 
-class Margin(NamedTuple):
+class Inequality(NamedTuple):
     """A function f of time that must be > 0 on a piece of an orbit, and the `kind` of branch end at
     which f = 0.
     """
@@ -607,7 +607,7 @@ def in_parts(prove, whole, most, what):
 # -- branches --------------------------------------------------------------------------------------
 
 
-class Piece:
+class CheckedPiece:
     """The motion in one mode that starts on a belt at t and x, and the functions f that are > 0
     while it lasts.
     """
@@ -680,7 +680,7 @@ class Piece:
         ]
 
 
-class Course:
+class ClosingEvents:
     """The equations r(u) = 0 that an orbit with given events solves, and the inequalities that a
     root must satisfy.
     """
@@ -702,7 +702,7 @@ class Course:
             until = u[0] + self.turn
         t = u[2 * i]
         return (
-            Piece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late),
+            CheckedPiece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late),
             until - t,
             until,
         )
@@ -756,7 +756,7 @@ class Course:
             kind = "vanishing of a slip"
         else:
             kind = "vanishing of a flight"
-        found = [Margin(f"{label} lasts", kind, lambda _: (s, arb(0), arb(0)))]
+        found = [Inequality(f"{label} lasts", kind, lambda _: (s, arb(0), arb(0)))]
         signs = {"stick": (1, -1), "slip": ()}.get(made, (1, 1) if mode > source else (-1, -1))
         for domain, sign in zip((belt, belt + 1), signs, strict=False):
             F = sign * piece.force(domain, 0, piece.t)[0], arb(0), arb(0)
@@ -768,12 +768,14 @@ class Course:
                 kind = "birth of a slip"
             else:
                 kind = "birth of a stick"
-            found.append(Margin(text, kind, lambda _, F=F: F))
+            found.append(Inequality(text, kind, lambda _, F=F: F))
         for end, side in piece.ends.items():
             f = partial(piece.f, end)
             if mode > 3:
                 text = f"F^({end}) {'<>'[side > 0]} 0 during {label}"
-                found.append(Margin(text, "birth of a slip", f, zero=end == after[3], during=True))
+                found.append(
+                    Inequality(text, "birth of a slip", f, zero=end == after[3], during=True)
+                )
             else:
                 order = (1 + (source > 3)) * (end == belt)
                 first = f(arb(0))[order]
@@ -784,7 +786,7 @@ class Course:
                 else:
                     kind = ""
                 text = f"v {'<>'[side > 0]} v{end} during {label}"
-                found.append(Margin(text, kind, f, order, end == after[1], True))
+                found.append(Inequality(text, kind, f, order, end == after[1], True))
         return found
 
     def prove(self, u, stable, problem):
@@ -810,7 +812,7 @@ class Course:
             require(margin, "stable")
 
 
-class Family:
+class OrbitFamily:
     """A family of orbits, one for each parameter value from `low` to `high`, proven by interval
     Newton.
 
@@ -826,7 +828,9 @@ class Family:
         fixed = {each: arb(p[each]) for each in base.NAMES}
         name = data["parameter"]
         periods = data["periods"]
-        self.course = lambda value: Course(events, periods, Oscillator(fixed | {name: value}))
+        self.course = lambda value: ClosingEvents(
+            events, periods, BallOscillator(fixed | {name: value})
+        )
         self.box = [arb(a).union(arb(b)) for a, b in ends[:-2]]
         self.middle, every, c = (
             arb((low + high) / 2),
@@ -902,14 +906,14 @@ def family(problem, data, events, row, part):
 
     Return a Family.
     """
-    found = Family(problem, data, events, row, *part[0])
+    found = OrbitFamily(problem, data, events, row, *part[0])
     found.all.prove(found.points, data["stable"], problem)
     return found
 
 
 def fails(problem, data, events, end, row):
     """Prove that the inequality which an end of a branch names fails just outside of the branch."""
-    found = Family(problem, data, events, end, *sorted((end["inside"], end["outside"])))
+    found = OrbitFamily(problem, data, events, end, *sorted((end["inside"], end["outside"])))
     found.within(row, *found.root(end["inside"]))
     (u, course) = found.root(end["outside"])
     at = arb(end["at"])
@@ -1169,7 +1173,7 @@ def marks(parts, most):
     return [(round(at / tau * 512) / 512, reach) for at, reach in found]
 
 
-class Word:
+class LabelCycle:
     """A word: its flights, and the equations r(u) = 0 for the unknowns u of its orbit (phases, x,
     durations).
     """
@@ -1331,7 +1335,7 @@ class Word:
                     return side * (v - speed), side * a, side * jerk
 
                 order = (1 + flight.slips) * (belt == flight.belt)
-                margin = Margin(
+                margin = Inequality(
                     "a flight that meets no belt before its end", "", f, order, belt == flight.onto
                 )
                 positive(margin, u[flight.tau].upper(), problem)
@@ -1358,7 +1362,7 @@ class Box:
 
     def plane(self, values):
         """Return the oscillator with the given values of both parameters of the plane."""
-        return Oscillator(self.p | dict(zip(self.over, values, strict=True)))
+        return BallOscillator(self.p | dict(zip(self.over, values, strict=True)))
 
     def series(self, side, rows, count, wide=False, plan=None):
         """Return the first `count` Taylor coefficients of Y r in the direction `side`, and all
@@ -1612,7 +1616,7 @@ def atlas(data, source, limits):
     check(proven == data["share"] * all_of, stated)
     check(proven + rest == all_of, "boxes and open ones that fill the range")
     mirror = mirror_of(p, over)
-    words = dict[str, Word]()
+    words = dict[str, LabelCycle]()
     with ctx.workprec(BOX_BITS):
         values = {name: arb(problem.p[name]) for name in base.NAMES}
         for row, shown in zip(data["boxes"], source["boxes"], strict=True):
@@ -1623,7 +1627,7 @@ def atlas(data, source, limits):
                 check(not row["phases"] and not row["x"], "a rest with switchings", BAD)
                 rests(p, over, box)
                 continue
-            word = words[text] = words.get(text) or Word(text, mirror)
+            word = words[text] = words.get(text) or LabelCycle(text, mirror)
             middle = dict(zip(over, (sum(side) / 2 for side in box), strict=True))
             near = word.unknowns(row, float(arb(middle.get("Omega", p["Omega"]))))
             what = f"the word {text} in the box {shown['range']}, in {MOST_BOX_PARTS} parts"

@@ -86,13 +86,13 @@ ChangeColumns = Callable[
 ]
 
 
-class Candidate(NamedTuple):
+class Explanation(NamedTuple):
     """A diagnosis, and what shows that it is right: a change, or the defects that it leaves.
 
     With the change all steps should be right. Either the exact motion gets the changed
     `parameters`, or the function `columns` turns the samples t, x, v into others; `words` describe
     it, such as "with m = 2". A cause without a change says by `left` how large the defects of the
-    steps of the `Case` are if it is assumed, NaN where that was not computed.
+    steps of the `FaultySteps` are if it is assumed, NaN where that was not computed.
     """
 
     diagnosis: Diagnosis
@@ -130,7 +130,7 @@ ENOUGH = 0.9
 LEFT_OVER = 0.1
 
 
-class Fit(NamedTuple):
+class FittedNumber(NamedTuple):
     """Numbers fitted to the steps between samples, their standard deviations, and the defect left
     in each step.
     """
@@ -140,7 +140,7 @@ class Fit(NamedTuple):
     sizes: np.ndarray
 
 
-class Case:
+class FaultySteps:
     """Samples of a solution whose faults are to be explained, and the exact motion over each of
     their steps.
     """
@@ -382,8 +382,8 @@ def mended_share(before: np.ndarray, after: np.ndarray) -> float:
 
 def fitted(
     misses: Callable[[np.ndarray], np.ndarray], start: np.ndarray, ticks: np.ndarray
-) -> Fit | None:
-    """Return the `Fit` of numbers to steps, from first values `start`.
+) -> FittedNumber | None:
+    """Return the `FittedNumber` of numbers to steps, from first values `start`.
 
     None if the steps do not determine them.
 
@@ -425,7 +425,7 @@ def fitted(
         rest = np.sqrt(np.mean(misses(value)[kept] ** 2))
     else:
         rest = np.inf
-    return Fit(value, error * max(1.0, float(rest)), sizes)
+    return FittedNumber(value, error * max(1.0, float(rest)), sizes)
 
 
 def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symosc.base.errors import ParameterError
-from symosc.crosschecks.causes import Candidate, Case, Diagnosis
+from symosc.crosschecks.causes import Diagnosis, Explanation, FaultySteps
 from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.velocities import with_velocities
@@ -42,7 +42,7 @@ SIZES = {1000.0: "1000 times too large", 100.0: "100 times too large", 0.01: "10
          0.001: "1000 times too small"}  # fmt: skip
 
 
-def other_columns(case: Case) -> Iterator[Candidate]:
+def other_columns(case: FaultySteps) -> Iterator[Explanation]:
     """Yield every change of columns that people make by mistake, with the fraction of wrong steps
     that it explains.
     """
@@ -56,7 +56,7 @@ def other_columns(case: Case) -> Iterator[Candidate]:
 
 def changed_columns(
     p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray
-) -> Iterator[Candidate]:
+) -> Iterator[Explanation]:
     """Yield candidates with other signs, order or units of columns.
 
     Units only if x and v then give one path length.
@@ -69,7 +69,7 @@ def changed_columns(
             if not _is_same_way(*change.columns(t, x, v)):
                 continue
         diagnosis = Diagnosis(change.cause, change.subject, change.words, "", change.value, error)
-        yield Candidate(diagnosis, change.how, columns=change.columns)
+        yield Explanation(diagnosis, change.how, columns=change.columns)
 
 
 class Change(NamedTuple):
@@ -158,7 +158,7 @@ def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
 # -- how the columns were made ---------------------------------------------------------------------
 
 
-def velocity_column(case: Case) -> Iterator[Candidate]:
+def velocity_column(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that only v is wrong.
 
     Made of differences of x, or belonging to times between samples.
@@ -179,7 +179,7 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
             np.mean(off <= 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h))
             >= 1.0 - EXCEPTIONS
         ):
-            yield Candidate(
+            yield Explanation(
                 Diagnosis("columns", "v", words, "repeats v to 9 digits"), *POSITIONS_ALONE
             )
             return
@@ -198,17 +198,17 @@ def velocity_column(case: Case) -> Iterator[Candidate]:
         )
         if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
             diagnosis = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
-            yield Candidate(diagnosis, *POSITIONS_ALONE)
+            yield Explanation(diagnosis, *POSITIONS_ALONE)
             return
     if len(case.inside) >= FEWEST_FLIGHTS:
         share = case.share_mended_by(s.t[first:], s.x[first:], v)
         diagnosis = Diagnosis(
             "columns", "v", "v is not the velocity of x; the positions are right", "", share=share
         )
-        yield Candidate(diagnosis, *POSITIONS_ALONE)
+        yield Explanation(diagnosis, *POSITIONS_ALONE)
 
 
-def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
+def _velocities_from_positions(case: FaultySteps) -> tuple[int, np.ndarray] | None:
     """Return the first sample whose velocity the positions determine, and the velocities from that
     sample on.
     """
@@ -223,7 +223,7 @@ def _velocities_from_positions(case: Case) -> tuple[int, np.ndarray] | None:
     return len(s.t) - len(samples.t), samples.v
 
 
-def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np.ndarray:
+def _velocities_beside(case: FaultySteps, first: int, v: np.ndarray, part: float) -> np.ndarray:
     """Return the exact velocities at times beside the samples from number `first` on, which have
     velocities `v`.
 
@@ -248,7 +248,7 @@ def _velocities_beside(case: Case, first: int, v: np.ndarray, part: float) -> np
     return np.append(speeds, np.nan)
 
 
-def frozen_positions(case: Case) -> Iterator[Candidate]:
+def frozen_positions(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that x stands still during sticks although the belt moves."""
     s = case.steps
     speeds = (float(case.parameters.v1), float(case.parameters.v2))
@@ -271,7 +271,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
     )
     share = case.share_mended_by(s.t, x, s.v)
     if share > 0.0:
-        yield Candidate(
+        yield Explanation(
             Diagnosis("columns", "x", words, "", share=share),
             "with x moved on by the belt",
             columns=moved,
@@ -280,7 +280,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
     inside = float(np.mean(np.isin(np.flatnonzero(case.wrong), still)))
     left = case.sizes.copy()
     left[still] = 0.0
-    yield Candidate(
+    yield Explanation(
         Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such"), left=left
     )
 
@@ -288,7 +288,7 @@ def frozen_positions(case: Case) -> Iterator[Candidate]:
 # -- the clock -------------------------------------------------------------------------------------
 
 
-def even_times(case: Case) -> Iterator[Candidate]:
+def even_times(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that evenly spaced times were rounded, or summed up with few digits."""
     t = case.steps.t
     h = np.diff(t)
@@ -308,7 +308,7 @@ def even_times(case: Case) -> Iterator[Candidate]:
             share = case.share_mended_by(even, case.steps.x, case.steps.v)
             change = f"with even times, {even[1] - even[0]:.10g} apart,"
             columns = partial(lambda t, x, v, digits: (_even(t, digits), x, v), digits=digits)
-            yield Candidate(
+            yield Explanation(
                 Diagnosis("columns", "t", words, "", share=share), change, columns=columns
             )
 
@@ -330,7 +330,7 @@ def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
     return np.asarray(float(f"{t[0]:.6g}") + step * np.arange(len(t)))
 
 
-def single_times(case: Case) -> Iterator[Candidate]:
+def single_times(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that the times are in single precision.
 
     Tiny shifts of the times make the steps right.
@@ -363,7 +363,7 @@ def single_times(case: Case) -> Iterator[Candidate]:
     diagnosis = Diagnosis("columns", "t", "the times are in single precision", evidence, largest)
     # All times are numbers of single precision, which cannot be chance.
     if np.mean(within) >= 0.7:
-        yield Candidate(diagnosis, left=np.where(small | ~case.wrong, 0.0, case.sizes))
+        yield Explanation(diagnosis, left=np.where(small | ~case.wrong, 0.0, case.sizes))
 
 
 def _are_single(t: np.ndarray) -> bool:
@@ -405,7 +405,7 @@ def event_list_faults(check: Verdict) -> Iterator[Diagnosis]:
             yield Diagnosis(cause, "", words, evidence, float(len(events)), 0.0)
 
 
-def outliers(case: Case) -> Iterator[Candidate]:
+def outliers(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of outliers: single wrong samples, without which the steps are right."""
     off = [fault for fault in case.check.faults if fault.reason == "outlier"]
     check = case.check
@@ -419,14 +419,14 @@ def outliers(case: Case) -> Iterator[Candidate]:
         size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
         diagnosis = Diagnosis("noise", "", words, "", size, None, share)
         how = "without them" if rows[1:] else "without it"
-        yield Candidate(diagnosis, how, columns=partial(_without, rows))
+        yield Explanation(diagnosis, how, columns=partial(_without, rows))
 
 
 def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
     return np.delete(t, rows), np.delete(x, rows), np.delete(v, rows)
 
 
-def noise(case: Case) -> Iterator[Candidate]:
+def noise(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise
     makes them.
     """
@@ -460,7 +460,7 @@ def noise(case: Case) -> Iterator[Candidate]:
             [np.hypot(np.sqrt(2.0) * sizes[0], h * sizes[1]), np.full(len(h), 2.0 * sizes[1])]
         )
         fits = np.all(np.abs(defects) <= case.allowed + MOST_DEVIATIONS * usual, axis=1)
-        yield Candidate(diagnosis, left=np.where(fits, 0.0, case.sizes))
+        yield Explanation(diagnosis, left=np.where(fits, 0.0, case.sizes))
 
 
 def few_digits(check: Verdict) -> Iterator[Diagnosis]:

@@ -35,7 +35,7 @@ from symosc.crosschecks.reading.objects import of_function
 from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all, shown
 from symosc.crosschecks.samples import Samples, checked, checked_events
-from symosc.crosschecks.verdict import Task, judge
+from symosc.crosschecks.verdict import CheckTask, judge
 from symosc.model import Parameters
 from symosc.scenes import Scene, not_reduced_error, scene_of
 from symosc.simulation.batch import read_workers
@@ -137,7 +137,7 @@ def crosscheck(
     if global_tolerance is not None:
         limit = _positive("global_tolerance", global_tolerance)
     task = partial_of(
-        Task,
+        CheckTask,
         scene=scene,
         tolerance=_positive("tolerance", tolerance),
         given_limit=limit,

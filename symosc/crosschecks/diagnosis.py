@@ -16,9 +16,9 @@ from symosc.base.errors import ParameterError
 from symosc.crosschecks import columns, friction, methods, models
 from symosc.crosschecks.causes import (
     ENOUGH,
-    Candidate,
-    Case,
     Diagnosis,
+    Explanation,
+    FaultySteps,
     explained_share,
     larger,
     mended_share,
@@ -34,7 +34,7 @@ MOST_REPEATED = 4
 MOST_PERIODS = 200.0
 # Without velocities not all samples can be judged, but this part of them has to be.
 FEWEST_LEFT = 0.9
-Cause = Callable[[Case], Iterable[Candidate]]
+Cause = Callable[[FaultySteps], Iterable[Explanation]]
 #: The causes, stage by stage, the cheapest first.
 STAGES: tuple[tuple[Cause, ...], ...] = (
     (columns.even_times, columns.single_times),
@@ -75,7 +75,7 @@ def _cause_of_wrong_steps(check: Verdict) -> Diagnosis:
         return Diagnosis("columns", "x and v", words, evidence)
     p = check.trajectory.parameters
     repeated = Repeated(check)
-    case = Case(check, int(check.wrong_steps[0]))
+    case = FaultySteps(check, int(check.wrong_steps[0]))
     periods = (case.steps.t[-1] - case.steps.t[0]) * float(p.Omega) / TWO_PI
     if periods > max(MOST_PERIODS, len(case.steps.t)):
         # Steps longer than a period hold too many events to show a cause, but for other units of t.
@@ -97,7 +97,7 @@ def _cause_of_wrong_steps(check: Verdict) -> Diagnosis:
     return _unknown(check)
 
 
-def _explaining(case: Case, stage: Iterable[Cause], check: Verdict) -> Iterator[Candidate]:
+def _explaining(case: FaultySteps, stage: Iterable[Cause], check: Verdict) -> Iterator[Explanation]:
     """Yield the candidates of a stage that explain the steps of a `case`.
 
     One without a change has to explain the largest defect of the `check` too, wherever that is.
@@ -111,12 +111,12 @@ def _explaining(case: Case, stage: Iterable[Cause], check: Verdict) -> Iterator[
             if inside or candidate.words:
                 yield candidate
                 continue
-            elsewhere = elsewhere or Case(check, largest)
+            elsewhere = elsewhere or FaultySteps(check, largest)
             if candidate.name in {known.name for known in _candidates(elsewhere, cause)}:
                 yield candidate
 
 
-def _candidates(case: Case, cause: Cause) -> Iterator[Candidate]:
+def _candidates(case: FaultySteps, cause: Cause) -> Iterator[Explanation]:
     """Yield the candidates of one cause that explain enough, with the share that they explain."""
     for candidate in cause(case):
         share = candidate.diagnosis.share
@@ -136,7 +136,7 @@ class Repeated:
         self.check = check
         self.left = MOST_REPEATED
 
-    def confirmed(self, candidates: Iterable[Candidate]) -> list[Diagnosis]:
+    def confirmed(self, candidates: Iterable[Explanation]) -> list[Diagnosis]:
         """Return the diagnoses that repeated checks confirm, the best first, each name once."""
         named = dict[tuple[str, str], Diagnosis]()
         for candidate in sorted(candidates, key=lambda proposal: -proposal.diagnosis.share):
@@ -147,7 +147,7 @@ class Repeated:
                 named[candidate.name] = diagnosis
         return sorted(named.values(), key=lambda proposal: -proposal.share)
 
-    def with_evidence(self, candidate: Candidate) -> Diagnosis | None:
+    def with_evidence(self, candidate: Explanation) -> Diagnosis | None:
         """Add the result of the check with a candidate's change to the diagnosis.
 
         None: the change is not possible, or the check has been repeated often enough.
@@ -176,7 +176,7 @@ class Repeated:
         evidence = "; ".join(filter(None, (diagnosis.evidence, words)))
         return replace(diagnosis, evidence=evidence, share=share)
 
-    def _check_with(self, candidate: Candidate) -> Verdict | None:
+    def _check_with(self, candidate: Explanation) -> Verdict | None:
         """Return the check with a candidate's change; None if it is not possible."""
         task = self.check.task
         samples = task.samples

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.crosschecks.causes import Candidate, Case, Diagnosis, fitted, larger
+from symosc.crosschecks.causes import Diagnosis, Explanation, FaultySteps, fitted, larger
 from symosc.crosschecks.models import rounded
 from symosc.engine.state import SLIP
 from symosc.kernels._generated import acceleration
@@ -35,7 +35,7 @@ MOST_RIGHT = 60
 # -- smoothed friction -----------------------------------------------------------------------------
 
 
-def smoothed(case: Case) -> Iterator[Candidate]:
+def smoothed(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of smoothed friction: a curve in place of the sign explains the steps."""
     steps = case.telling
     largest = steps[np.argsort(-case.sizes[steps])[:FITTED_STEPS]]
@@ -55,11 +55,11 @@ def smoothed(case: Case) -> Iterator[Candidate]:
         over = counted(len(steps), "step")
         evidence = f"the equation with it, integrated over {over}, explains {fits} of them"
         diagnosis = Diagnosis("smoothed friction", name, words, evidence, width, error)
-        yield Candidate(diagnosis, left=case.leaving(sizes, steps))
+        yield Explanation(diagnosis, left=case.leaving(sizes, steps))
 
 
 def _smoothed_force(
-    case: Case, width: float, curve: Callable[[float], float]
+    case: FaultySteps, width: float, curve: Callable[[float], float]
 ) -> Callable[[float, float, float], float]:
     """Return the acceleration with friction of a curve of the given width."""
     K = case.steps.K
@@ -74,7 +74,7 @@ def _smoothed_force(
     return force
 
 
-def _width(case: Case, i: int, curve: Callable[[float], float]) -> float | None:
+def _width(case: FaultySteps, i: int, curve: Callable[[float], float]) -> float | None:
     """Return the width of a curve with which step `i` is right; None if there is none."""
     from scipy.optimize import brentq
 
@@ -115,7 +115,7 @@ class StickSteps(NamedTuple):
     end: np.ndarray
 
 
-def drift(case: Case) -> Iterator[Candidate]:
+def drift(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of a velocity that drifts off the belt in sticks, at one rate."""
     sticks = _find_sticks(case)
     if sticks is None:
@@ -147,10 +147,10 @@ def drift(case: Case) -> Iterator[Candidate]:
     evidence = (
         f"this rate explains {count} of {counted(int(np.sum(wrong)), 'wrong step')} with a stick"
     )
-    yield Candidate(Diagnosis("drift", "", words, evidence, rate, error), left=left)
+    yield Explanation(Diagnosis("drift", "", words, evidence, rate, error), left=left)
 
 
-def _find_sticks(case: Case) -> StickSteps | None:
+def _find_sticks(case: FaultySteps) -> StickSteps | None:
     """Return the telling steps with a stick, and some right ones; None if no wrong step has one."""
     s = case.steps
     stuck = np.union1d(
@@ -186,7 +186,7 @@ def _find_sticks(case: Case) -> StickSteps | None:
 
 
 def _misses_with_drift(
-    case: Case, sticks: StickSteps, rate: float, side: int, onto: bool
+    case: FaultySteps, sticks: StickSteps, rate: float, side: int, onto: bool
 ) -> np.ndarray:
     """Return by how much the ends of steps are missed if v drifts off the belt at a `rate` in
     sticks.

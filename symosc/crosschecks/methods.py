@@ -10,7 +10,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.crosschecks.causes import FITS, Candidate, Case, Diagnosis, best_between, larger
+from symosc.crosschecks.causes import (
+    FITS,
+    Diagnosis,
+    Explanation,
+    FaultySteps,
+    best_between,
+    larger,
+)
 from symosc.kernels._generated import acceleration
 from symosc.simulation.tables import counted
 
@@ -50,7 +57,7 @@ class Delays(NamedTuple):
     theta: np.ndarray
 
 
-def late_events(case: Case) -> Iterator[Candidate]:
+def late_events(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of events that happen too late or not at all.
 
     Up to then the old mode goes on.
@@ -69,11 +76,11 @@ def late_events(case: Case) -> Iterator[Candidate]:
     if len(best):
         kept = Delays(*(column[best] for column in ways))
         delay = part[best] * (s.t[kept.step + 1] - kept.begin)
-        yield Candidate(_late_words(case, kept, delay, part[best] >= WHOLE), left=left)
+        yield Explanation(_late_words(case, kept, delay, part[best] >= WHOLE), left=left)
 
 
 def _best_ways(
-    case: Case, ways: Delays, rounds: int, most: int
+    case: FaultySteps, ways: Delays, rounds: int, most: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the numbers of the best ways for each step, at most `most`.
 
@@ -99,7 +106,7 @@ def _best_ways(
     return order[place < most], part, leaves
 
 
-def _delays(case: Case, steps: np.ndarray) -> Delays:
+def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
     """Return the ways to explain each of `steps` by an event that is late."""
     s = case.steps
     rows = list[tuple[float, ...]]()
@@ -134,7 +141,7 @@ def _delays(case: Case, steps: np.ndarray) -> Delays:
     return Delays(*table[:4].astype(int), *table[4:])
 
 
-def _delayed_misses(case: Case, ways: Delays, time: np.ndarray) -> np.ndarray:
+def _delayed_misses(case: FaultySteps, ways: Delays, time: np.ndarray) -> np.ndarray:
     """Return by how much the ends of steps are missed if old modes go on up to a `time` each."""
     s = case.steps
     x, v = _moved(case, ways.source, np.array([ways.x, ways.v]), ways.theta, time - ways.t)
@@ -145,7 +152,7 @@ def _delayed_misses(case: Case, ways: Delays, time: np.ndarray) -> np.ndarray:
 
 
 def _moved(
-    case: Case, mode: np.ndarray, state: np.ndarray, theta: np.ndarray, tau: np.ndarray
+    case: FaultySteps, mode: np.ndarray, state: np.ndarray, theta: np.ndarray, tau: np.ndarray
 ) -> np.ndarray:
     """Return x and v after times `tau` in the given modes, without any event."""
     s = case.steps
@@ -156,7 +163,7 @@ def _moved(
     return np.where(held, [x + speed * tau, speed], flown)
 
 
-def _late_words(case: Case, ways: Delays, delay: np.ndarray, whole: np.ndarray) -> Diagnosis:
+def _late_words(case: FaultySteps, ways: Delays, delay: np.ndarray, whole: np.ndarray) -> Diagnosis:
     """Return the diagnosis of late events, which explain steps by the given ways and delays."""
     count = len(delay)
     first = f"the first wrong one begins at t = {float(case.steps.t[ways.step[0]]):.10g}"
@@ -190,7 +197,7 @@ def _late_words(case: Case, ways: Delays, delay: np.ndarray, whole: np.ndarray) 
     return Diagnosis("late events", "", words, evidence, float(np.mean(late)), float(np.std(late)))
 
 
-def _friction_at_ends(case: Case, ways: Delays, delay: np.ndarray) -> tuple[float, float]:
+def _friction_at_ends(case: FaultySteps, ways: Delays, delay: np.ndarray) -> tuple[float, float]:
     """Return the friction where sticks end, divided by the largest of the flight.
 
     Its median and its deviation.
@@ -225,7 +232,7 @@ WIDE_MARGINS = (0.2, 1.0)
 TURNED = 0.35
 
 
-def gone_over(case: Case) -> Iterator[Candidate]:
+def gone_over(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that a method goes over events.
 
     Where the mass should stick, v jumps to and fro.
@@ -237,11 +244,11 @@ def gone_over(case: Case) -> Iterator[Candidate]:
     left = case.leaving(np.where(fits, 0.0, case.sizes[steps]), steps)
     diagnosis = _gone_over_words(case, steps[fits], parts[fits], sticks[fits])
     if diagnosis is not None:
-        yield Candidate(diagnosis, left=left)
+        yield Explanation(diagnosis, left=left)
 
 
 def _gone_over_words(
-    case: Case, steps: np.ndarray, parts: np.ndarray, sticks: np.ndarray
+    case: FaultySteps, steps: np.ndarray, parts: np.ndarray, sticks: np.ndarray
 ) -> Diagnosis | None:
     """Return the diagnosis of steps that go over events; None if they show no pattern of it.
 
@@ -284,7 +291,7 @@ def _gone_over_words(
 
 
 def _mixtures(
-    case: Case, steps: np.ndarray, any_stick: bool = False
+    case: FaultySteps, steps: np.ndarray, any_stick: bool = False
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Say which of `steps` a mixture of the forces on both sides of a belt explains.
 
@@ -354,7 +361,7 @@ LIKE_FORCE = 0.3
 LIKE_WEIGHTS = 0.05
 
 
-def large_steps(case: Case) -> Iterator[Candidate]:
+def large_steps(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of steps that are too large, if powers of the step explain the errors."""
     s = case.steps
     told = np.intersect1d(case.telling, case.inside)
@@ -406,10 +413,10 @@ def large_steps(case: Case) -> Iterator[Candidate]:
     else:
         how = f"powers of the step from {order} on"
     evidence = f"the errors of {int(np.sum(fits))} of {len(flights)} flights follow from {how}"
-    yield Candidate(Diagnosis("steps too large", "", words, evidence, size, None), left=left)
+    yield Explanation(Diagnosis("steps too large", "", words, evidence, size, None), left=left)
 
 
-def _like_truncation(case: Case, flights: np.ndarray) -> bool:
+def _like_truncation(case: FaultySteps, flights: np.ndarray) -> bool:
     """Return whether the errors of flights can be those of a method, and not those of a wrong
     force.
     """
@@ -426,7 +433,7 @@ def _like_truncation(case: Case, flights: np.ndarray) -> bool:
     return bool(not force_like and np.mean(small) > 0.95)
 
 
-def _lost_way(case: Case, flights: np.ndarray) -> float:
+def _lost_way(case: FaultySteps, flights: np.ndarray) -> float:
     """Return by which part of the step times v the solution moves too far or not far enough."""
     s = case.steps
     h = np.diff(s.t)[flights]
@@ -435,7 +442,7 @@ def _lost_way(case: Case, flights: np.ndarray) -> float:
     return abs(float(numbers[1])) / float(np.max(np.abs(s.v[flights])))
 
 
-def _linear_terms(case: Case, flights: np.ndarray) -> np.ndarray:
+def _linear_terms(case: FaultySteps, flights: np.ndarray) -> np.ndarray:
     """Return x, v, the drive and the domain of flights, each divided by its largest value."""
     s = case.steps
     theta = s.theta[flights]
@@ -445,7 +452,7 @@ def _linear_terms(case: Case, flights: np.ndarray) -> np.ndarray:
 
 
 def _left_by_powers(
-    case: Case, flights: np.ndarray, defects: np.ndarray, powers: tuple[int, ...]
+    case: FaultySteps, flights: np.ndarray, defects: np.ndarray, powers: tuple[int, ...]
 ) -> np.ndarray:
     """Return what a fit to every second flight leaves of the defects of the others, for all
     flights.

@@ -14,7 +14,15 @@ import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
-from symosc.crosschecks.causes import LEFT_OVER, Candidate, Case, Diagnosis, Fit, fitted, larger
+from symosc.crosschecks.causes import (
+    LEFT_OVER,
+    Diagnosis,
+    Explanation,
+    FaultySteps,
+    FittedNumber,
+    fitted,
+    larger,
+)
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.kernels._generated import acceleration
@@ -43,7 +51,7 @@ QUARTER = 1e-4
 # -- systems that people write by mistake ----------------------------------------------------------
 
 
-def other_systems(case: Case) -> Iterator[Candidate]:
+def other_systems(case: FaultySteps) -> Iterator[Explanation]:
     """Yield each common modelling mistake that explains the wrong steps, with a change that tests
     it.
     """
@@ -66,7 +74,7 @@ def other_systems(case: Case) -> Iterator[Candidate]:
                 value = float(next(iter(values.values())))
                 error = 0.0
             diagnosis = Diagnosis(cause, subject, words, "", value, error)
-            yield Candidate(diagnosis, f"with {change}", parameters=system, left=left)
+            yield Explanation(diagnosis, f"with {change}", parameters=system, left=left)
     yield from _wrong_signs(case)
 
 
@@ -117,7 +125,7 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
             yield "coefficient", "m", f"{where} {how}", change, values
 
 
-def _wrong_signs(case: Case) -> Iterator[Candidate]:
+def _wrong_signs(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that friction, spring or damper has the wrong sign, by integration over
     steps.
     """
@@ -152,13 +160,13 @@ def _wrong_signs(case: Case) -> Iterator[Candidate]:
         fits = int(np.sum(sizes <= case.limits()[steps]))
         evidence = f"with it {fits} of {counted(len(steps), 'step')} tried are right"
         words = f"{name} has the wrong sign: {what}"
-        yield Candidate(Diagnosis("sign", name, words, evidence), left=case.leaving(sizes, steps))
+        yield Explanation(Diagnosis("sign", name, words, evidence), left=case.leaving(sizes, steps))
 
 
 # -- fitted coefficients ---------------------------------------------------------------------------
 
 
-def coefficients(case: Case) -> Iterator[Candidate]:
+def coefficients(case: FaultySteps) -> Iterator[Explanation]:
     """Yield for each parameter the diagnosis that it is wrong, its value fitted to flights (v1, v2:
     wrong steps).
     """
@@ -169,7 +177,7 @@ def coefficients(case: Case) -> Iterator[Candidate]:
             yield from _coefficient(case, name, _fit_belt(case, name))
 
 
-def far_coefficients(case: Case) -> Iterator[Candidate]:
+def far_coefficients(case: FaultySteps) -> Iterator[Explanation]:
     """Yield wrong coefficients that are too far off for a direct fit.
 
     The fit begins at the best value of a grid.
@@ -210,7 +218,7 @@ def _median(sizes: np.ndarray) -> float:
     return inf
 
 
-def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
+def _coefficient(case: FaultySteps, name: str, fit: FittedNumber | None) -> Iterator[Explanation]:
     """Yield the diagnosis of a wrong coefficient, with its fitted value to the digits that are
     significant.
     """
@@ -229,7 +237,7 @@ def _coefficient(case: Case, name: str, fit: Fit | None) -> Iterator[Candidate]:
         words = f"the solution has {name} = {text}, which should be {right:.10g}"
         evidence = f"fitted: {name} = {text} ± {error:.1g}"
         found = Diagnosis("coefficient", name, words, evidence, value, error)
-        yield Candidate(found, f"with {name} = {text}", parameters=second, left=left)
+        yield Explanation(found, f"with {name} = {text}", parameters=second, left=left)
 
 
 def rounded(value: float, error: float) -> str:
@@ -264,7 +272,7 @@ def _tick(p: Parameters, name: str) -> np.ndarray:
     return np.array([TICK * (units[name] if name in units else float(getattr(p, name)) or push)])
 
 
-def _fit_flights(case: Case, name: str, start: float | None = None) -> Fit | None:
+def _fit_flights(case: FaultySteps, name: str, start: float | None = None) -> FittedNumber | None:
     """Fit the parameter `name` to the flights of the samples.
 
     None if the fit does not remove most of their defects.
@@ -311,7 +319,7 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
     return None
 
 
-def _fit_belt(case: Case, name: str) -> Fit | None:
+def _fit_belt(case: FaultySteps, name: str) -> FittedNumber | None:
     """Return the speed of a belt.
 
     From samples that move with it if there are any, else by a fit.
@@ -336,13 +344,13 @@ def _fit_belt(case: Case, name: str) -> Fit | None:
     ]
     if len(near) >= 2:
         error = np.array([float(case.allowed[0, 1])])
-        return Fit(np.array([float(np.median(near))]), error, larger(misses(start)))
+        return FittedNumber(np.array([float(np.median(near))]), error, larger(misses(start)))
     if len(chosen):
         return fitted(misses, start, _tick(p, name))
     return None
 
 
-def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
+def _frequencies(case: FaultySteps, flights: np.ndarray) -> np.ndarray:
     """Return the frequencies of the drive that fit the mean accelerations of the flights best."""
     s = case.steps
     K = case.steps.K
@@ -365,7 +373,7 @@ def _frequencies(case: Case, flights: np.ndarray) -> np.ndarray:
 # -- the clock, and the phase of the drive ---------------------------------------------------------
 
 
-def phases_of_drive(case: Case) -> Iterator[Candidate]:
+def phases_of_drive(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of a drive with another phase, or of a shifted clock."""
     # Both make the same steps; the clock is shifted if the first sample is not where the scene
     # starts.
@@ -399,7 +407,7 @@ def phases_of_drive(case: Case) -> Iterator[Candidate]:
         )
 
 
-def _phase_shift(case: Case, flights: np.ndarray) -> float | None:
+def _phase_shift(case: FaultySteps, flights: np.ndarray) -> float | None:
     """Return by which angle the drive is ahead in the steps `flights`.
 
     None if its amplitude is not right either.
@@ -417,7 +425,7 @@ def _phase_shift(case: Case, flights: np.ndarray) -> float | None:
     return float(np.arctan2(fit.value[1], fit.value[0]))
 
 
-def _shift_or_phase(case: Case, turn: float, error: float) -> Iterator[Candidate]:
+def _shift_or_phase(case: FaultySteps, turn: float, error: float) -> Iterator[Explanation]:
     """Yield the diagnoses of a drive ahead by the angle `turn`.
 
     A shifted clock, or another phase of the drive.
@@ -445,7 +453,7 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Iterator[Candidate
     )
     change = f"with the phase turned by {turn:.17g}"
     phase = Diagnosis("phase", "", words, evidence, turn, error)
-    turned = Candidate(phase, change, columns=lambda t, x, v: (t - shift, x, v), left=left)
+    turned = Explanation(phase, change, columns=lambda t, x, v: (t - shift, x, v), left=left)
     if shift > 0:
         pace = "fast"
     else:
@@ -453,7 +461,7 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Iterator[Candidate
     words = f"the clock of the samples is {pace} by {rounded(abs(shift), error / Om)}"
     clock = Diagnosis("time shift", "", words, evidence, shift, error / Om)
     change = f"with {shift:.17g} taken from t"
-    moved = Candidate(clock, change, columns=lambda t, x, v: (t - shift, x, v), left=left)
+    moved = Explanation(clock, change, columns=lambda t, x, v: (t - shift, x, v), left=left)
     # The scene's motion at the first sample's own time, at this phase or one of whole periods
     # later.
     if start is None:
@@ -470,7 +478,7 @@ def _shift_or_phase(case: Case, turn: float, error: float) -> Iterator[Candidate
         yield turned
 
 
-def jumps_of_clock(case: Case) -> Iterator[Candidate]:
+def jumps_of_clock(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that the clock jumps in the first wrong step.
 
     All later times are off by one number.
@@ -508,7 +516,7 @@ def jumps_of_clock(case: Case) -> Iterator[Candidate]:
         "time shift", "", words + rounded(abs(shift), error), evidence, shift, error
     )
     change = f"with {shift:.17g} taken from t after t = {time:.10g}"
-    yield Candidate(diagnosis, change, columns=partial(_moved_after, time, shift))
+    yield Explanation(diagnosis, change, columns=partial(_moved_after, time, shift))
 
 
 def _moved_after(

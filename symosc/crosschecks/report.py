@@ -27,7 +27,7 @@ from symosc.crosschecks.diagnosis import diagnose
 from symosc.crosschecks.events import FoundEvent
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.samples import Samples
-from symosc.crosschecks.verdict import Task, Verdict, judge
+from symosc.crosschecks.verdict import CheckTask, Verdict, judge
 from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Event
 
@@ -426,8 +426,8 @@ def _failure_text(check: CrossCheck) -> str:
     return "; ".join(filter(None, (counts, first, check.wrong_start, check.early_end)))
 
 
-def _judged(task: Callable[[Samples], Task], name: str, samples: Samples) -> CrossCheck:
-    """Judge samples by the `Task` that `task` makes of them.
+def _judged(task: Callable[[Samples], CheckTask], name: str, samples: Samples) -> CrossCheck:
+    """Judge samples by the `CheckTask` that `task` makes of them.
 
     Add the solution's `name` to a ParameterError.
     """
@@ -439,12 +439,12 @@ def _judged(task: Callable[[Samples], Task], name: str, samples: Samples) -> Cro
 
 
 def check_all(
-    task: Callable[[Samples], Task],
+    task: Callable[[Samples], CheckTask],
     solutions: Sequence[Samples],
     workers: int,
     progress: Progress | None,
 ) -> CrossChecks:
-    """Judge each of `solutions` by the `Task` that `task` makes of it, in `workers` processes.
+    """Judge each of `solutions` by the `CheckTask` that `task` makes of it, in `workers` processes.
 
     Return all in order.
     """

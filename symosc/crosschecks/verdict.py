@@ -1,7 +1,7 @@
 """Judge samples: global errors, defects of the steps, events, and a guess at each wrong step.
 
-`judge` makes a `Verdict` of a `Task`. Neither knows the other's maker: the diagnosis judges changed
-samples again, and the result that a user gets is a verdict that can be shown.
+`judge` makes a `Verdict` of a `CheckTask`. Neither knows the other's maker: the diagnosis judges
+changed samples again, and the result that a user gets is a verdict that can be shown.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ WITHOUT_BELT = ("local error", "outlier")
 
 
 @dataclass(frozen=True)
-class Task:
+class CheckTask:
     """A solution to judge, and the scene and tolerances to compare it with."""
 
     samples: Samples
@@ -89,7 +89,7 @@ class Task:
             return self.given_limit
         return max(self.tolerance, min(STEPS_ADDED * self.tolerance, LARGEST_LIMIT))
 
-    def with_columns(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Task:
+    def with_columns(self, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> CheckTask:
         """Return the task with other samples of the same solution."""
         return replace(self, samples=replace(self.samples, t=t, x=x, v=v))
 
@@ -120,12 +120,12 @@ class Verdict:
     faults: tuple[Fault, ...]
     notes: tuple[str, ...]
     wrong_start: str
-    _task: Task
+    _task: CheckTask
     early_end: str = ""
     coarser: Verdict | None = None
 
     @property
-    def task(self) -> Task:
+    def task(self) -> CheckTask:
         """What was judged, and how."""
         return self._task
 
@@ -212,7 +212,7 @@ class Verdict:
         return next(at_belts, None)
 
 
-def judge(task: Task) -> Verdict:
+def judge(task: CheckTask) -> Verdict:
     """Judge samples; if they fail but are rounded, judge again and allow rounding."""
     task = _prepared(task)
     units, listed = _units(task)
@@ -225,7 +225,7 @@ def judge(task: Task) -> Verdict:
     return replace(verdict, early_end=early)
 
 
-def _prepared(task: Task) -> Task:
+def _prepared(task: CheckTask) -> CheckTask:
     """Return the task with velocities, if these were not given, and with the rounding of its
     samples.
     """
@@ -238,7 +238,7 @@ def _prepared(task: Task) -> Task:
     return replace(task, samples=samples, rounding=rounding)
 
 
-def _units(task: Task) -> tuple[np.ndarray, np.ndarray]:
+def _units(task: CheckTask) -> tuple[np.ndarray, np.ndarray]:
     """Return the units in the last place of the samples, rows t, x and v, and of listed events.
 
     0 where numbers have all digits.
@@ -251,7 +251,7 @@ def _units(task: Task) -> tuple[np.ndarray, np.ndarray]:
     return np.array(units), np.zeros(len(task.samples.events or ()))
 
 
-def _first_right(task: Task, units: np.ndarray, listed: np.ndarray) -> Verdict:
+def _first_right(task: CheckTask, units: np.ndarray, listed: np.ndarray) -> Verdict:
     """Return the first verdict that is right, on the samples as they are or as rounded.
 
     Else the last one. `units` are those in the last place of the samples, `listed` of the times of
@@ -323,7 +323,7 @@ def _coarser(comparison: Comparison, verdict: Verdict) -> Verdict | None:
 # -- where a solution starts and ends --------------------------------------------------------------
 
 
-class Start(NamedTuple):
+class SolutionStart(NamedTuple):
     """The start of the exact motion, and a note if the first sample is not on the motion of the
     scene.
 
@@ -334,7 +334,7 @@ class Start(NamedTuple):
     note: str = ""
 
 
-def _start(task: Task, loose: np.ndarray, rounding: np.ndarray) -> Start:
+def _start(task: CheckTask, loose: np.ndarray, rounding: np.ndarray) -> SolutionStart:
     """Return where the exact motion starts.
 
     `loose` are the allowed errors of the first sample's x and v, `rounding` the rounding of its t,
@@ -346,26 +346,26 @@ def _start(task: Task, loose: np.ndarray, rounding: np.ndarray) -> Start:
     first = np.array([samples.t[0], samples.x[0], samples.v[0]])
     start = dict(zip(STARTS, first.tolist(), strict=True))
     if isinstance(scene, Parameters):
-        return Start(start)
+        return SolutionStart(start)
     own = np.array([float(scene.t0), float(scene.x0), float(scene.v0)])
     slack = task.limit * np.maximum(1.0, np.abs(own))
     slack[0] = max(task.limit / rate, 4.0 * float(np.spacing(abs(own[0]))))
     v_off = 0.0 if samples.v_off is None else float(samples.v_off[0])
     off = np.maximum(rounding, [0.0, 0.0, v_off])
     if np.all(np.abs(first - own) <= slack + off):
-        return Start({})
+        return SolutionStart({})
     if samples.v_off is not None:  # positions show the first velocity less well
         slack[2] += 20.0 * max(1.0, rate) * off[2]
         if np.all(np.abs(first - own) <= slack + off):
-            return Start(start)
+            return SolutionStart(start)
     if first[0] > own[0]:
         before = task.motion(start["t0"], {})
         there = before(min(start["t0"], float(before.t_end)))
         allowed = task.limit * _scales(before, before.t_end) + loose
         if before.t_end >= start["t0"] and np.all(np.abs(there - first[1:]) <= allowed):
-            return Start(start)
+            return SolutionStart(start)
     note = f"the solution starts at {_start_text(first)}; {scene.name} starts at {_start_text(own)}"
-    return Start(start, note)
+    return SolutionStart(start, note)
 
 
 def _start_text(numbers: np.ndarray) -> str:
@@ -374,7 +374,7 @@ def _start_text(numbers: np.ndarray) -> str:
     return ", ".join(f"{name} = {value:.10g}" for name, value in named)
 
 
-def _early_end(task: Task, trajectory: Trajectory) -> str:
+def _early_end(task: CheckTask, trajectory: Trajectory) -> str:
     """Return a note if the solution ends before the motion does, else ""."""
     scene = task.scene
     t = task.samples.t
@@ -403,7 +403,7 @@ class Comparison:
     of a list.
     """
 
-    def __init__(self, task: Task, rounding: np.ndarray, listed: np.ndarray) -> None:
+    def __init__(self, task: CheckTask, rounding: np.ndarray, listed: np.ndarray) -> None:
         self.task = task
         self.rounding = rounding
         self.listed = listed

@@ -62,7 +62,7 @@ REGULAR, KINK, ROUGH, NO_SLOPE, FLAT_CONTACT, NO_FORCE = range(6)
 DT, DX, DV, END_X, END_V, SIZE, BY_X, BY_V = range(8)
 
 
-class Launch(NamedTuple):
+class LaunchPoint(NamedTuple):
     """The start of a piece of a motion: mode, time, phase with its sine and cosine, position and
     velocity.
     """
@@ -88,8 +88,8 @@ class Letters(NamedTuple):
 
 
 def launch_at(mode, t, theta, x, v):
-    """Return the start of a piece of a motion as a `Launch`."""
-    return Launch(int(mode), t, theta, sin(theta), cos(theta), x, v)
+    """Return the start of a piece of a motion as a `LaunchPoint`."""
+    return LaunchPoint(int(mode), t, theta, sin(theta), cos(theta), x, v)
 
 
 def letters_of(row):

@@ -107,7 +107,7 @@ def _operator(
     """
 
     @infer_global(name)
-    class Typing(AbstractTemplate):
+    class LaneTyping(AbstractTemplate):
         def generic(self, arguments: Any, keywords: Any) -> Any:
             lanes = lanes_among(arguments, of_flags)
             if lanes:

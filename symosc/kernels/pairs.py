@@ -282,7 +282,7 @@ def _operator(name: Callable[..., Any], result: Any, code: Callable[..., Any]) -
     """
 
     @infer_global(name)
-    class Typing(AbstractTemplate):
+    class PairTyping(AbstractTemplate):
         def generic(self, arguments: Any, keywords: Any) -> Any:
             numbers = all(
                 isinstance(argument, (PairType, types.Float, types.Integer))

@@ -45,7 +45,7 @@ from symosc.orbits.border_points import (
     circle,
     motion_at,
 )
-from symosc.orbits.border_system import BorderSystem, Node, Plane, names_of
+from symosc.orbits.border_system import BorderPlane, BorderSystem, Node, names_of
 from symosc.orbits.border_trace import BorderEnd, followed
 from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ConvergenceError, Orbit
@@ -379,7 +379,7 @@ def borders_between(
     return _distinct(chain([border], all_crossings(plane, inside, beside)), *steps)
 
 
-def _settled(plane: Plane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
+def _settled(plane: BorderPlane, p: Parameters) -> tuple[np.ndarray, Orbit | None]:
     """Return the point of the plane that belongs to the parameters `p`, and the orbit of the
     settled motion, if any.
     """
@@ -546,7 +546,7 @@ def _read_plane(
     first: str,
     second: str,
     limits: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
-) -> Plane:
+) -> BorderPlane:
     """Check the two parameters and their ranges `limits`; return their plane."""
     if second not in PARAMETER_NAMES or second == first:
         known = f"must be one of {', '.join(name for name in PARAMETER_NAMES if name != first)}"
@@ -564,7 +564,7 @@ def _read_plane(
         raise ParameterError(
             "range", ", ".join(map(str, ranges)), f"must be ranges of {first} and {second}"
         )
-    return Plane(parameters, (first, second), low, high)
+    return BorderPlane(parameters, (first, second), low, high)
 
 
 def _usual_range(name: str, value: Fraction) -> tuple[NumberLike, NumberLike]:

@@ -11,7 +11,7 @@ from symosc.kernels import linear
 from symosc.orbits import border_system
 from symosc.orbits.admissibility import conditions
 from symosc.orbits.border_points import MOST_HALVINGS, Motion, motion_at, scaled_margin
-from symosc.orbits.border_system import BorderSystem, ClosedForm, Node, Plane, zeros_of
+from symosc.orbits.border_system import BorderPlane, BorderSystem, ClosedForm, Node, zeros_of
 from symosc.orbits.closing_equations import ClosingEquations, Orbit
 
 # Distances as parts of the ranges: from a border to where its words are looked at, and from a
@@ -52,7 +52,9 @@ class BorderError(SymoscError, ArithmeticError):
     """
 
 
-def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedForm, Node] | None:
+def closed_form(
+    plane: BorderPlane, place: np.ndarray, orbit: Orbit
+) -> tuple[ClosedForm, Node] | None:
     """Return the border through `place` beyond which the motion of `orbit` rests or meets no belt,
     and its node.
     """
@@ -76,7 +78,7 @@ def closed_form(plane: Plane, place: np.ndarray, orbit: Orbit) -> tuple[ClosedFo
 
 
 def crossed_borders(
-    plane: Plane, place: np.ndarray, orbit: Orbit, direction: np.ndarray
+    plane: BorderPlane, place: np.ndarray, orbit: Orbit, direction: np.ndarray
 ) -> Iterator[Begun]:
     """Yield the borders of the word of `orbit`, found at `place`, that the line along `direction`
     crosses there.
@@ -108,7 +110,7 @@ def crossed_borders(
             yield system, first
 
 
-def first_crossing(plane: Plane, start: Motion, stop: Motion) -> Begun | None:
+def first_crossing(plane: BorderPlane, start: Motion, stop: Motion) -> Begun | None:
     """Return the first border that crosses the segment from `start` to `stop` in the plane; None if
     none is found.
     """
@@ -134,7 +136,7 @@ def first_crossing(plane: Plane, start: Motion, stop: Motion) -> Begun | None:
     return None
 
 
-def _crossing_of(plane: Plane, low: Motion, high: Motion) -> Begun | None:
+def _crossing_of(plane: BorderPlane, low: Motion, high: Motion) -> Begun | None:
     """Return a border of the words at both ends of a short segment that crosses it, or None."""
     way = high[0] - low[0]
     for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
@@ -145,7 +147,7 @@ def _crossing_of(plane: Plane, low: Motion, high: Motion) -> Begun | None:
     return None
 
 
-def _motion_between(plane: Plane, low: Motion, high: Motion) -> Motion | None:
+def _motion_between(plane: BorderPlane, low: Motion, high: Motion) -> Motion | None:
     """Return a motion about halfway between two others, or None."""
     for part in (0.5, 0.4):  # the first may be on the border
         place = low[0] + part * (high[0] - low[0])
@@ -155,7 +157,7 @@ def _motion_between(plane: Plane, low: Motion, high: Motion) -> Motion | None:
     return None
 
 
-def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[Begun]:
+def all_crossings(plane: BorderPlane, start: Motion, stop: Motion) -> Iterator[Begun]:
     """Yield, in order, the borders at which the word of the motion changes along the segment from
     `start` to `stop`.
     """
@@ -185,7 +187,9 @@ def all_crossings(plane: Plane, start: Motion, stop: Motion) -> Iterator[Begun]:
         yield from all_crossings(plane, (after, orbits[1]), stop)
 
 
-def loss_of_word(plane: Plane, inside: Motion, place: np.ndarray) -> tuple[Motion, Begun] | None:
+def loss_of_word(
+    plane: BorderPlane, inside: Motion, place: np.ndarray
+) -> tuple[Motion, Begun] | None:
     """Return the border between `inside`, a motion with a word, and `place`, where it has none.
 
     Return a motion beside the border, and the border; None if it is not found.

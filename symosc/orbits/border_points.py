@@ -21,10 +21,10 @@ from symosc.model import Parameters
 from symosc.orbits import border_system
 from symosc.orbits.admissibility import Condition, conditions, failures, scales
 from symosc.orbits.border_system import (
+    BorderPlane,
     BorderSystem,
     ClosedForm,
     Node,
-    Plane,
     Zero,
     names_of,
     zeros_of,
@@ -261,7 +261,7 @@ def _failure_text(condition: Condition | None) -> str:
     return f"the condition '{condition.text}' fails"
 
 
-def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
+def meeting(plane: BorderPlane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
     """Find the point near the parameters `values` at which two inequalities of one word vanish;
     None if not found.
 
@@ -281,7 +281,7 @@ def meeting(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialP
     return _two_zeros(plane, shortest, values)
 
 
-def circle(plane: Plane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
+def circle(plane: BorderPlane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
     """Return points of the plane on a small circle around the point `values`, each with the orbit
     found there.
     """
@@ -319,7 +319,9 @@ class Candidate(NamedTuple):
     texts: tuple[str, ...]
 
 
-def _two_zeros(plane: Plane, orbit: Orbit, values: tuple[float, float]) -> SpecialPoint | None:
+def _two_zeros(
+    plane: BorderPlane, orbit: Orbit, values: tuple[float, float]
+) -> SpecialPoint | None:
     """Find the point near the parameters `values` at which two inequalities of the orbit's word
     vanish, or None.
     """

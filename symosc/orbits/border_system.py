@@ -86,7 +86,7 @@ class Zero(NamedTuple):
         return self._replace(kind=AT_BEND if self.kind in TIMED else AT_FLAT)
 
 
-class Plane(NamedTuple):
+class BorderPlane(NamedTuple):
     """A plane of two parameters: the parameter set that fixes the others, the names of the two, and
     their ranges.
     """
@@ -145,7 +145,7 @@ class BorderSystem:
     border; if two, a point. Lengths are measured in the scaled unknowns z = u/scale.
     """
 
-    def __init__(self, plane: Plane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
+    def __init__(self, plane: BorderPlane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
         self.word, self.periods, points = orbit
         self.plane = plane
         self.fixed = plane.fixed
@@ -521,7 +521,7 @@ class ClosedForm(BorderSystem):
     |B0| Omega. The parameters `fixed` lie on the border; `orbit` is an orbit beside the border.
     """
 
-    def __init__(self, plane: Plane, fixed: Parameters, orbit: Orbit) -> None:
+    def __init__(self, plane: BorderPlane, fixed: Parameters, orbit: Orbit) -> None:
         if abs(fixed.v1) <= abs(fixed.v2):
             belt = 1
         else:

@@ -60,7 +60,7 @@ class CaseResult:
 Results = dict[str, CaseResult]
 
 
-class Place(NamedTuple):
+class FilePlace(NamedTuple):
     """A place in a file of results, for messages: a line of it, or an event."""
 
     path: Path
@@ -77,7 +77,7 @@ class Entry(NamedTuple):
     """
 
     case: str
-    place: Place
+    place: FilePlace
     cells: Record
 
 
@@ -156,7 +156,7 @@ def _csv_entries(path: Path, case: str | None) -> Iterator[Entry]:
                 header = cells
                 _check_header(path, header, case is None)
                 continue
-            place = Place(path, f"line {reader.line_num}")
+            place = FilePlace(path, f"line {reader.line_num}")
             if len(cells) != len(header):
                 raise place.wrong(f"it has {len(cells)} entries, and the header has {len(header)}")
             read = {
@@ -166,7 +166,7 @@ def _csv_entries(path: Path, case: str | None) -> Iterator[Entry]:
             }
             yield Entry(case or read.get("case", ""), place, read)
     except csv.Error as error:
-        raise Place(path, f"line {reader.line_num}").wrong(str(error)) from None
+        raise FilePlace(path, f"line {reader.line_num}").wrong(str(error)) from None
     if not header:
         raise ResultError(str(path), "is empty")
 
@@ -200,7 +200,7 @@ def _json_entries(path: Path) -> Iterator[Entry]:
     if not isinstance(content, dict):
         raise ResultError(str(path), "must be an object: names of cases, and their results")
     for case, result in content.items():
-        place = Place(path, brief(case))
+        place = FilePlace(path, brief(case))
         events = None
         if isinstance(result, dict):
             events = result.get("events")
@@ -209,7 +209,7 @@ def _json_entries(path: Path) -> Iterator[Entry]:
         about = {"kind": FOLLOWED_TO, "seconds": result.get("seconds")}
         yield Entry(case, place, _without_empty(about))
         for number, event in enumerate(events, 1):
-            place = Place(path, f"{brief(case)}, event {number}")
+            place = FilePlace(path, f"{brief(case)}, event {number}")
             if not isinstance(event, dict):
                 raise place.wrong("it must be an object with t and kind")
             yield Entry(case, place, _without_empty(event))
@@ -236,7 +236,7 @@ def _add_entries(results: Results, entries: Iterator[Entry]) -> None:
             result.end = max(result.end or end, end)
 
 
-def _event(place: Place, cells: Record) -> GivenEvent:
+def _event(place: FilePlace, cells: Record) -> GivenEvent:
     """Return the event that stands at a place."""
     kind = str(cells.get("kind", "")).lower()
     if kind not in EVENT_KINDS:
@@ -256,7 +256,7 @@ def _event(place: Place, cells: Record) -> GivenEvent:
     return GivenEvent(t, _coordinate(place, cells, "x"), kind, int(boundary), changes)
 
 
-def _coordinate(place: Place, cells: Record, name: str) -> Fraction | None:
+def _coordinate(place: FilePlace, cells: Record, name: str) -> Fraction | None:
     """Return t or x: the cell of this name, or the middle between name_low and name_high; None if
     both are missing.
     """
@@ -267,7 +267,7 @@ def _coordinate(place: Place, cells: Record, name: str) -> Fraction | None:
     return _number(place, cells, name)
 
 
-def _number(place: Place, cells: Record, name: str) -> Fraction | None:
+def _number(place: FilePlace, cells: Record, name: str) -> Fraction | None:
     """Return the number in a cell; None if the cell is missing."""
     value: Any = cells.get(name)
     if value is None:

@@ -227,7 +227,7 @@ def judge_case(case: ReferenceCase, result: CaseResult | None, tolerance: float)
     return judged
 
 
-class TimedEvent(NamedTuple):
+class MatchedEvent(NamedTuple):
     """What the matcher sees of an event: its time, kind and belt."""
 
     t: float
@@ -245,7 +245,8 @@ class _Judge:
         self.judged = judged
         self.tolerance = tolerance
         self.known = [
-            TimedEvent(float(event.middle[0]), event.kind, event.boundary) for event in case.events
+            MatchedEvent(float(event.middle[0]), event.kind, event.boundary)
+            for event in case.events
         ]
         self.period = 2 * pi / float(case.parameters.Omega)
 
@@ -255,7 +256,7 @@ class _Judge:
         Note too large errors, and missed, invented and wrong events.
         """
         compared = self._of_last_period(events)
-        theirs = [TimedEvent(float(event.t), event.kind, event.boundary) for event in compared]
+        theirs = [MatchedEvent(float(event.t), event.kind, event.boundary) for event in compared]
         matching = match_events(theirs, self.known, WINDOW * self.period)
         for j, i in matching.matched:
             self._measure(i, compared[j])
@@ -287,7 +288,7 @@ class _Judge:
         return extra
 
     def _without_grazes(
-        self, theirs: Sequence[TimedEvent], lost: list[int], extra: list[int]
+        self, theirs: Sequence[MatchedEvent], lost: list[int], extra: list[int]
     ) -> tuple[list[int], list[int]]:
         """Return which events are lost and which are extra if a graze may be left out, or stand as
         two contacts.
@@ -401,7 +402,7 @@ def _larger(largest: float | None, error: float) -> float:
     return max(largest or 0.0, error)
 
 
-def _event_text(event: TimedEvent | GivenEvent) -> str:
+def _event_text(event: MatchedEvent | GivenEvent) -> str:
     """Return an event as text, such as "stick at belt 1"."""
     if event.boundary:
         return f"{event.kind} at belt {event.boundary}"

@@ -205,7 +205,7 @@ def simulate_many(
     require_or_none(*PROGRESS, progress=progress)
     problems = Problems(parameters, starts, t_end, read_start_error(start_error))
     most = read_most(max_events, MOST_EVENTS)
-    task = Task(problems, CHOICE.of_many(use_numba), most, read_accuracy(accuracy))
+    task = EnsembleTask(problems, CHOICE.of_many(use_numba), most, read_accuracy(accuracy))
     of_events = isinstance(record, str) and record == "events"
     work: Callable[..., Any]
     if of_events:
@@ -249,7 +249,7 @@ def parameter_sets(
     return what
 
 
-class Task(NamedTuple):
+class EnsembleTask(NamedTuple):
     """What all chunks of a call share: the problems, the loops, the most events of a motion, and
     the accuracy.
     """
@@ -272,7 +272,12 @@ class Chunk:
     # trajectories of motions that were followed alone.
 
     def __init__(
-        self, task: Task, rows: slice, buffer: EventRows, cancel: CancelToken, keep: Any = None
+        self,
+        task: EnsembleTask,
+        rows: slice,
+        buffer: EventRows,
+        cancel: CancelToken,
+        keep: Any = None,
     ) -> None:
         self.task = task
         self._first = rows.start
@@ -514,7 +519,7 @@ def careful_table(table: np.ndarray) -> np.ndarray:
 
 
 def events_of(
-    task: Task,
+    task: EnsembleTask,
     wrt: tuple[str, ...],
     use_numba: bool | None,
     rows: slice,
@@ -594,7 +599,7 @@ class SummaryRequest:
 
 
 def summary_of(
-    task: Task,
+    task: EnsembleTask,
     asked: SummaryRequest,
     rows: slice,
     buffer: EventRows,

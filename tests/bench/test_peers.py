@@ -18,7 +18,7 @@ from parameter_sets import DIP, EASY
 from symosc import Parameters, Scene, load_scene, simulate, simulate_many
 from symosc.bench import peers_heyoka, peers_scan
 from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
-from symosc.bench.solvers import OURS, FoundEvent, Solver, all_solvers, multiprecision
+from symosc.bench.solvers import OURS, Solver, SolverEvent, all_solvers, multiprecision
 
 SOLVERS = {solver.name: solver for solver in all_solvers()}
 PEERS = [solver for solver in all_solvers() if solver not in OURS]
@@ -28,7 +28,7 @@ SLOW = [solver for solver in PEERS if solver not in FAST]
 COMPILED = pytest.mark.slow  # compiles for half a minute
 
 
-def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> Sequence[FoundEvent]:
+def found_by(solver: Solver, scene: Scene, tolerance: float | None = None) -> Sequence[SolverEvent]:
     if solver.missing:
         pytest.skip(solver.missing)
     return list(solver.prepare(scene, solver.tolerances[-1] if tolerance is None else tolerance)())

@@ -20,7 +20,7 @@ from small_set import small_set
 from symosc import load_scene, simulate
 from symosc.base.errors import OutputError
 from symosc.bench import cases, machine, results, sentence, speed, work
-from symosc.bench.solvers import HANG, OURS, FoundEvent, Worker, all_solvers, processor_limit
+from symosc.bench.solvers import HANG, OURS, SolverEvent, Worker, all_solvers, processor_limit
 
 
 @pytest.fixture(scope="session")
@@ -102,10 +102,10 @@ def test_a_graze_is_not_missed_but_a_stick_in_its_place_is_invented() -> None:
     t = float(exact[0].t)
     x = float(exact[0].x)
     sticking = work.compare(
-        [FoundEvent(t, x, "stick", 1), FoundEvent(t + 1e-6, x, "slip", 1)], scene, exact
+        [SolverEvent(t, x, "stick", 1), SolverEvent(t + 1e-6, x, "slip", 1)], scene, exact
     )
     assert [sticking[key] for key in COUNTED] == [0, 2, 1]
-    assert work.compare([FoundEvent(t, x, "graze", 1)], scene, exact)["missed_grazes"] == 0
+    assert work.compare([SolverEvent(t, x, "graze", 1)], scene, exact)["missed_grazes"] == 0
 
 
 @pytest.mark.slow

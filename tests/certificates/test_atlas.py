@@ -17,9 +17,9 @@ from samples import sample_of
 
 import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, atlas, certify, find_orbit
-from symosc.certificates.balls import Oscillator, ball
+from symosc.certificates.balls import OscillatorInBalls, ball
 from symosc.certificates.verify_orbits import Flight, judge, marks
-from symosc.certificates.verify_orbits import Oscillator as InBalls
+from symosc.certificates.verify_orbits import OscillatorInBalls as InBalls
 from symosc.model import PARAMETER_NAMES, by_name
 from symosc.orbits.border import borders_between
 
@@ -127,7 +127,7 @@ def test_borders_explain_the_changes_of_words_in_random_planes(count: int) -> No
                 0.8 * value + 0.2 * rng.uniform(*limits[name])
                 for value, name in zip(a, names, strict=True)
             ]
-            words = [atlases.Plane(p, names, plane.range).word(point) for point in (a, b)]
+            words = [atlases.ParameterPlane(p, names, plane.range).word(point) for point in (a, b)]
             if words[0] != words[1]:
                 assert atlases.border_known(plane.borders, (*a, words[0]), (*b, words[1])), (
                     seed,
@@ -432,6 +432,6 @@ def test_long_words_end_at_the_limit_of_work() -> None:
 def test_a_stiff_spring_takes_no_memory() -> None:
     assert len(marks([(True, arb(0), arb(1))], arb("1e-5"))) < 20
     stiff = AT_REST.replace(k="1e20")
-    o = Oscillator(stiff, by_name(stiff, ball))
+    o = OscillatorInBalls(stiff, by_name(stiff, ball))
     flights = atlases._flights(("P2", "P1", "P3", "P1"), stiff, ("Omega", "FN"))
     assert flights.cuts(o, flights.legs[0], [arb(1), arb(1)]) is None

@@ -9,7 +9,7 @@ import pytest
 from flint import arb, ctx
 
 from symosc import Parameters, Scene, certify
-from symosc.certificates.balls import Jet, Margin, Undecided, prove_positive, sure_sign
+from symosc.certificates.balls import Jet, SignedGap, Undecided, prove_positive, sure_sign
 from symosc.certificates.propose import known, one_digit, outward, show_decimal
 
 
@@ -71,7 +71,7 @@ def test_a_dip_between_two_equal_slopes_is_found() -> None:
     assert [event[0] for event in certificate.events] == ["cross"] * 7
 
 
-def margin(coefficients: list[object], at_start: int, at_end: bool) -> Margin:
+def margin(coefficients: list[object], at_start: int, at_end: bool) -> SignedGap:
     """Return a polynomial, the lowest power first."""
 
     def curve(tau: object) -> Jet:
@@ -85,7 +85,7 @@ def margin(coefficients: list[object], at_start: int, at_end: bool) -> Margin:
             row = [i * each for i, each in enumerate(row)][1:]
         return Jet(tau, *jets)
 
-    return Margin("a polynomial", curve, at_start, at_end)
+    return SignedGap("a polynomial", curve, at_start, at_end)
 
 
 def product(*factors: list[object]) -> list[object]:

@@ -21,8 +21,8 @@ from symosc.certificates.propose_orbits import (
     BUT_ONE_PHASE,
     NO_PHASE,
     ON_AN_ARC,
-    BranchEnd,
     BranchProposal,
+    ProposedEnd,
     certify_orbit,
 )
 from symosc.orbits.branch import Branch
@@ -210,9 +210,9 @@ def test_an_end_that_is_put_elsewhere_is_not_proven() -> None:
     """P32 touches v2 at Omega = 5.0176, neither before nor after it."""
     scene = load_scene("fig9")
     orbit = find_orbit(scene.parameters.replace(Omega="5.01"), "P32")
-    start = BranchEnd("end of the range", Fraction("5.01"), orbit.points)
+    start = ProposedEnd("end of the range", Fraction("5.01"), orbit.points)
     for value in ("5.012", "5.02"):
-        end = BranchEnd("grazing", Fraction(value), orbit.points)
+        end = ProposedEnd("grazing", Fraction(value), orbit.points)
         proposal = BranchProposal(scene.parameters, "Omega", orbit.labels, 1, (start, end))
         found = proposal.certificate()
         assert not found.proven, end

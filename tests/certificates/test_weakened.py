@@ -412,7 +412,7 @@ def test_behind_an_event_the_velocity_is_that_of_the_belt() -> None:
     start = [fmpq(0), fmpq(-3), fmpq(-1)]
     with ctx.workprec(256):
         then = verify.begin(
-            verify.Problem(p, {"left": 1000, "steps": 1000}), start, [fmpq(0)] * 3, []
+            verify.StatedOscillator(p, {"left": 1000, "steps": 1000}), start, [fmpq(0)] * 3, []
         ).after_event(row)
         assert then.centre[2].contains(fmpq(1000001, 1000000))
 
@@ -429,8 +429,10 @@ def test_the_state_at_the_first_of_uncertain_times_is_enclosed() -> None:
     for x, v in ((-5, -1), (-5, 1), (7, -2), (7, 2)):
         centre = [arb(1), arb(x), arb(v)]
         with ctx.workprec(128):
-            problem = verify.Problem(p, {"left": 1000, "steps": 1000})
-            found = verify.Motion(problem, 2, 0, centre, [[arb(float(half)), arb(0), arb(0)]])
+            problem = verify.StatedOscillator(p, {"left": 1000, "steps": 1000})
+            found = verify.VerifiedMotion(
+                problem, 2, 0, centre, [[arb(float(half)), arb(0), arb(0)]]
+            )
         for part in range(-4, 5):
             late = half * (4 + part) / 4  # after the first time
             t = 1 - float(half) + float(late)

@@ -35,7 +35,7 @@ from symosc.bench import (
     work,
 )
 from symosc.bench.event_logic import PeerError, from_now, problem, runner
-from symosc.bench.solvers import OURS, FoundEvent, Outcome, Solver, Worker
+from symosc.bench.solvers import OURS, Outcome, Solver, SolverEvent, Worker
 from symosc.kernels.rebind import bind
 from symosc.mappings.equations import residual
 
@@ -133,25 +133,25 @@ def gives_up(outcome: str) -> str:
 # -- work and precision ----------------------------------------------------------------------------
 
 
-def late(scene: Scene, tolerance: float) -> Callable[[], Iterator[FoundEvent]]:
+def late(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent]]:
     """Prepare a solver whose events are late, and which misses the third one and reports another."""
     found = [event._replace(t=event.t + tolerance) for event in exactly(scene, 0.0)()]
-    other = [FoundEvent(float(scene.t0) + 1, 0.0, "cross", 1)]
+    other = [SolverEvent(float(scene.t0) + 1, 0.0, "cross", 1)]
     return lambda: iter([*found[:2], *found[3:], *other])
 
 
-def exactly(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
+def exactly(scene: Scene, tolerance: float) -> Callable[[], list[SolverEvent]]:
     return lambda: [
-        FoundEvent(float(e.t), float(e.x), e.kind, e.boundary) for e in simulate(scene).events
+        SolverEvent(float(e.t), float(e.x), e.kind, e.boundary) for e in simulate(scene).events
     ]
 
 
-def nearly(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
+def nearly(scene: Scene, tolerance: float) -> Callable[[], list[SolverEvent]]:
     """Prepare a solver whose events are late by more than rounding, such that no number that is shown is near a tie."""
     return lambda: [event._replace(t=event.t + 4.6e-13) for event in exactly(scene, 0.0)()]
 
 
-def fails(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
+def fails(scene: Scene, tolerance: float) -> Callable[[], list[SolverEvent]]:
     if tolerance < 1e-4:
         raise ArithmeticError("chatters for ever\nand more")
     return nearly(scene, tolerance)

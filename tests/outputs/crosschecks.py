@@ -22,7 +22,7 @@ from stored_outputs import PLACE, sampled
 from symosc import Parameters, crosscheck, load_scene, simulate
 from symosc.base.errors import ParameterError
 from symosc.crosschecks import columns, friction, methods, models, steps
-from symosc.crosschecks.causes import Case
+from symosc.crosschecks.causes import FaultySteps
 from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.engine.arithmetic import Arithmetic
 from symosc.kernels._generated import acceleration
@@ -347,7 +347,7 @@ ASKED: dict[str, tuple[Callable[..., Any], ...]] = {
 def explained(name: str) -> str:
     """Return what each cause explains of the wrong steps of a solution, also where others explain more."""
     check = check_of(*WRONG[name]())
-    case = Case(check, int(check.wrong_steps[0]))
+    case = FaultySteps(check, int(check.wrong_steps[0]))
     with np.errstate(all="ignore"):
         asked = (*ASKED[name], *(() if name in ("other v1", "other v2") else CHEAP))
         found = [each for alternatives in asked for each in alternatives(case)]

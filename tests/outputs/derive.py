@@ -10,11 +10,11 @@ from typing import Any
 from unittest.mock import patch
 
 import sympy as sp
-from chapters import unchecked
 from parameter_sets import NUMBERS
 from project_files import ROOT
 from said import outcome
 
+from chapters import unchecked
 from symosc import Scene, load_scene
 from symosc.derive import citation, document, figures, front, mathml, steps
 from symosc.derive.errata import latex_to_unicode, read_errata

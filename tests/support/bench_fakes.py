@@ -9,7 +9,7 @@ from typing import Any
 
 from effort import PATIENCE
 
-from symosc.bench.solvers import HANG, OURS, FoundEvent, Outcome, Solver, Worker
+from symosc.bench.solvers import HANG, OURS, Outcome, Solver, SolverEvent, Worker
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 
@@ -42,11 +42,11 @@ class PatientWorker(Worker):
         return super().call(PATIENCE, function, *arguments)
 
 
-def careless(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
+def careless(scene: Scene, tolerance: float) -> Callable[[], list[SolverEvent]]:
     """Prepare a solver that does not see the second event, and reports all others late."""
     events = simulate(scene).events
     found = [
-        FoundEvent(event.t + tolerance, event.x, event.kind, event.boundary) for event in events
+        SolverEvent(event.t + tolerance, event.x, event.kind, event.boundary) for event in events
     ]
     return lambda: found[:1] + found[2:]
 
@@ -55,7 +55,7 @@ def hanging(scene: Scene, tolerance: float) -> Callable[[], None]:
     return loop_for_ever
 
 
-def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[FoundEvent]]:
+def failing_later(scene: Scene, tolerance: float) -> Callable[[], list[SolverEvent]]:
     if scene.t_end > 20:
         raise ArithmeticError("too far")
     return list

@@ -15,7 +15,7 @@ from symosc import Parameters, Scene
 from symosc.bench.event_logic import (
     EVENT_KINDS,
     PeerError,
-    Problem,
+    PeerProblem,
     force,
     margins,
     problem,
@@ -53,7 +53,7 @@ class Run:
 
 
 def piece(
-    options: dict[str, Any], q: Problem, mode: int, x: float, v: float, t_end: float
+    options: dict[str, Any], q: PeerProblem, mode: int, x: float, v: float, t_end: float
 ) -> tuple[int, Any, Any, Any]:
     """Follow a flight or stick by solve_ivp; return the side where it ends, and its samples."""
 
@@ -86,7 +86,7 @@ def recording(run: Run, options: dict[str, Any]) -> Callable[..., tuple[int, flo
     begin = run.t[0]
 
     def leave(
-        q: Problem, settings: None, mode: int, t: float, x: float, v: float, t_end: float
+        q: PeerProblem, settings: None, mode: int, t: float, x: float, v: float, t_end: float
     ) -> tuple[int, float, float]:
         nonlocal begin
         side, times, places, speeds = piece(options, q, mode, x, v, t_end)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.analysis.fitting.judge import Verdict, judge, strict
-from symosc.analysis.fitting.problem import Evaluation, Problem
+from symosc.analysis.fitting.judge import FitVerdict, judge, strict
+from symosc.analysis.fitting.problem import Evaluation, FitProblem
 from symosc.analysis.fitting.search import CAUCHY, candidates, minimum
 from symosc.analysis.fitting.spread import rounding, units
 
@@ -34,7 +34,7 @@ class Minimum(NamedTuple):
 
     values: np.ndarray
     at: Evaluation
-    verdict: Verdict
+    verdict: FitVerdict
     failure: str  # why the minimum was not reached; "" if it was
 
     @property
@@ -72,7 +72,7 @@ class Search:
         Whether many starts were tried.
     """
 
-    def __init__(self, problem: Problem, first: np.ndarray) -> None:
+    def __init__(self, problem: FitProblem, first: np.ndarray) -> None:
         p = problem.scene.parameters
         self.problem = problem
         self.first = first

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from symosc.analysis.fitting.best import Minimum, Search
-from symosc.analysis.fitting.judge import NAMED, Outlier, Verdict, outliers_of, strict, worst
+from symosc.analysis.fitting.judge import NAMED, FitVerdict, Outlier, outliers_of, strict, worst
 from symosc.analysis.fitting.measured import Measured, read_measured
-from symosc.analysis.fitting.problem import BEYOND, Problem
+from symosc.analysis.fitting.problem import BEYOND, FitProblem
 from symosc.analysis.fitting.spread import Spread, spread_of
 from symosc.base.aliases import NumberLike, SceneName, SolutionLike
 from symosc.base.arguments import (
@@ -184,7 +184,7 @@ def _problem(
     names: tuple[str, ...],
     measured: Measured,
     sigmas: np.ndarray,
-) -> Problem:
+) -> FitProblem:
     """Return what is fitted to what."""
     last = float(measured.t.max())
     changes: dict[str, Any] = dict.fromkeys((*STARTS, "t_end"))
@@ -194,10 +194,10 @@ def _problem(
     after = 0.0
     if measured.kinds is not None:
         after = BEYOND * (last - float(start.t0))
-    return Problem(start, names, measured, sigmas, last + after)
+    return FitProblem(start, names, measured, sigmas, last + after)
 
 
-def _first_values(problem: Problem, start: Mapping[str, NumberLike]) -> np.ndarray:
+def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.ndarray:
     """Return the first values of the free numbers."""
     scene = problem.scene
     values = []
@@ -247,7 +247,7 @@ def _fit_of(search: Search, robust: bool) -> Fit:
 def _message(
     search: Search,
     chosen: Minimum,
-    verdict: Verdict,
+    verdict: FitVerdict,
     spread: Spread,
     outliers: tuple[Outlier, ...],
 ) -> str:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symosc.analysis.fitting.measured import Measured
-from symosc.analysis.fitting.problem import Evaluation, Problem, spacing
+from symosc.analysis.fitting.problem import Evaluation, FitProblem, spacing
 from symosc.analysis.fitting.spread import column_rows, informative
 from symosc.crosschecks.rounding import Digits
 from symosc.simulation.tables import counted
@@ -71,7 +71,7 @@ class Outlier(NamedTuple):
         return f"{self.what} at t = {self.t:.6g} (row {self.row}) by {abs(self.residual):.3g} sigma"
 
 
-class Verdict(NamedTuple):
+class FitVerdict(NamedTuple):
     """Whether a motion describes data, why not, which rows are no outliers, and the scales of all.
 
     `scales` are the standard deviations of the residuals: 1 if sigma is known.
@@ -84,8 +84,8 @@ class Verdict(NamedTuple):
 
 
 def judge(
-    problem: Problem, at: Evaluation, digits: dict[str, Digits], places: np.ndarray
-) -> Verdict:
+    problem: FitProblem, at: Evaluation, digits: dict[str, Digits], places: np.ndarray
+) -> FitVerdict:
     """Return the verdict on residuals, where few outliers are allowed.
 
     `digits` is the rounding of the data, `places` a unit in the last place for each residual.
@@ -95,7 +95,7 @@ def judge(
     return _without_sigma(problem, at, places)
 
 
-def strict(verdict: Verdict) -> Verdict:
+def strict(verdict: FitVerdict) -> FitVerdict:
     """Return the verdict if no outliers are allowed."""
     count = int(np.sum(~verdict.kept))
     if not count or not verdict.is_described:
@@ -103,14 +103,16 @@ def strict(verdict: Verdict) -> Verdict:
     return verdict._replace(is_described=False, text=f"{counted(count, 'outlier')}")
 
 
-def outliers_of(measured: Measured, residuals: np.ndarray, verdict: Verdict) -> tuple[Outlier, ...]:
+def outliers_of(
+    measured: Measured, residuals: np.ndarray, verdict: FitVerdict
+) -> tuple[Outlier, ...]:
     """Return the outliers of a verdict, the worst first."""
     off = residuals / verdict.scales
     rows = np.flatnonzero(~verdict.kept)
     return tuple(_outlier(measured, off, row) for row in _worst_first(rows, off))
 
 
-def worst(measured: Measured, residuals: np.ndarray, verdict: Verdict) -> str:
+def worst(measured: Measured, residuals: np.ndarray, verdict: FitVerdict) -> str:
     """Return a text on the largest residuals."""
     off = residuals / verdict.scales
     rows = _worst_first(np.arange(len(off)), off)[:NAMED]
@@ -134,8 +136,8 @@ def _outlier(measured: Measured, off: np.ndarray, row: int) -> Outlier:
 
 
 def _with_sigma(
-    problem: Problem, at: Evaluation, digits: dict[str, Digits], places: np.ndarray
-) -> Verdict:
+    problem: FitProblem, at: Evaluation, digits: dict[str, Digits], places: np.ndarray
+) -> FitVerdict:
     """Return the verdict by the sum of squares, whose distribution is known."""
     from scipy.stats import chi2, norm
 
@@ -146,16 +148,16 @@ def _with_sigma(
     kept = np.abs(off) <= norm.isf(LEVEL / (2 * count))
     are_rounded = _are_rounded(off, places)
     if are_rounded and np.max(places) / np.sqrt(12.0) <= ROUNDED:
-        return Verdict(True, "", np.ones(count, dtype=bool), scales)
+        return FitVerdict(True, "", np.ones(count, dtype=bool), scales)
     inner = float(off[kept] @ off[kept])
     is_likely = inner <= chi2.isf(LEVEL, max(int(kept.sum()) - free, 1))
     if is_likely and _are_few(kept) and kept.sum() > min(free, count - 1):
-        return Verdict(True, "", kept, scales)
+        return FitVerdict(True, "", kept, scales)
     text = f"chi² is {float(off @ off):.4g}, and {max(count - free, 1)} was to be expected"
     if are_rounded:
         names = ", ".join(f"{name} to {column.text}" for name, column in digits.items())
         text += f"; sigma is smaller than the errors of rounding ({names})"
-    return Verdict(False, text, kept, scales)
+    return FitVerdict(False, text, kept, scales)
 
 
 def _are_rounded(off: np.ndarray, places: np.ndarray) -> bool:
@@ -172,7 +174,7 @@ def _are_few(kept: np.ndarray) -> bool:
     return len(kept) - int(kept.sum()) <= max(1, int(MOST_OUTLIERS * len(kept)))
 
 
-def _without_sigma(problem: Problem, at: Evaluation, places: np.ndarray) -> Verdict:
+def _without_sigma(problem: FitProblem, at: Evaluation, places: np.ndarray) -> FitVerdict:
     """Return the verdict by the structure of the residuals, whose size is unknown."""
     off = at.residuals
     count = len(off)
@@ -182,23 +184,23 @@ def _without_sigma(problem: Problem, at: Evaluation, places: np.ndarray) -> Verd
     scales = _estimated_scales(problem, off, telling, places)
     size = float(np.sqrt(np.mean((off / problem.sizes) ** 2)))
     if size <= EXACT or _are_rounded(off, places):
-        return Verdict(True, "", everything, scales)
+        return FitVerdict(True, "", everything, scales)
     if count <= free:
         text = "there are no more data than numbers, and yet it does not pass through them"
-        return Verdict(size <= np.sqrt(EXACT), text, everything, scales)
+        return FitVerdict(size <= np.sqrt(EXACT), text, everything, scales)
     kept = np.abs(off) <= (OUTLYING[0] + OUTLYING[1] / (count - free)) * scales
     if not _are_few(kept):
         text = "the residuals of many data are far larger than those of half of them"
-        return Verdict(False, text, kept, scales)
+        return FitVerdict(False, text, kept, scales)
     part = 0.0
     if problem.measured.states is None:
         part = float(np.sqrt(np.mean(off[kept] ** 2))) / _time_between(at)
     if part > UNRECOGNISED:
         off_by = f"events are off by {part:.1%} of the time between events of a kind"
         text = f"{off_by}, and no sigma says so"
-        return Verdict(False, text, kept, scales)
+        return FitVerdict(False, text, kept, scales)
     text = _structure(problem, off, kept & telling)
-    return Verdict(not text, text, kept, scales)
+    return FitVerdict(not text, text, kept, scales)
 
 
 def _time_between(at: Evaluation) -> float:
@@ -211,7 +213,7 @@ def _time_between(at: Evaluation) -> float:
 
 
 def _estimated_scales(
-    problem: Problem, off: np.ndarray, telling: np.ndarray, places: np.ndarray
+    problem: FitProblem, off: np.ndarray, telling: np.ndarray, places: np.ndarray
 ) -> np.ndarray:
     """Return the standard deviation of each residual, by the median of its column.
 
@@ -231,7 +233,7 @@ def _estimated_scales(
     return scales
 
 
-def _structure(problem: Problem, off: np.ndarray, kept: np.ndarray) -> str:
+def _structure(problem: FitProblem, off: np.ndarray, kept: np.ndarray) -> str:
     """Return a text on residuals that are like their neighbours in time; "" if they are not."""
     from scipy.stats import norm
 

@@ -41,7 +41,7 @@ class Effort:
 
 
 @dataclass
-class Problem:
+class FitProblem:
     """What is fitted to what: the motion `scene` with the numbers `names` to `measured`.
 
     `sigmas` are the standard deviations of the columns. Parts of a problem share its `effort`.
@@ -76,7 +76,7 @@ class Problem:
             sizes = np.full(len(measured.t), spacing(measured.t, measured.kinds))
         return np.maximum(sizes, 1e-9) / self.weights
 
-    def until(self, time: float) -> Problem:
+    def until(self, time: float) -> FitProblem:
         """Return the problem of the data up to a time."""
         measured = self.measured
         rows = measured.t <= time
@@ -91,7 +91,7 @@ class Problem:
         early = replace(measured, t=measured.t[rows], kinds=kinds, states=states)
         return replace(self, measured=early, end=min(self.end, time + after), _last=None)
 
-    def thinned(self, most: int) -> Problem:
+    def thinned(self, most: int) -> FitProblem:
         """Return the problem with at most about `most` samples."""
         return replace(self, measured=self.measured.thinned(most), _last=None)
 

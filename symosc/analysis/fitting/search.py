@@ -11,7 +11,7 @@ from math import ceil
 
 import numpy as np
 
-from symosc.analysis.fitting.problem import IMPOSSIBLE, Problem
+from symosc.analysis.fitting.problem import IMPOSSIBLE, FitProblem
 from symosc.base.errors import ParameterError
 
 #: A number is looked for between its first value divided by this and times this: 30 % above a first
@@ -39,7 +39,7 @@ NO_GRADIENT = float(np.finfo(float).eps)
 
 
 def minimum(
-    problem: Problem, first: np.ndarray, scale: np.ndarray | float = 1.0, loss: str = "linear",
+    problem: FitProblem, first: np.ndarray, scale: np.ndarray | float = 1.0, loss: str = "linear",
     most: int = 200, precise: bool = True,
 ) -> tuple[np.ndarray, str]:  # fmt: skip
     """Return the numbers at the minimum next to `first`, and why it was not reached; "" if it was.
@@ -89,7 +89,7 @@ def starts(first: np.ndarray) -> np.ndarray:
     return np.concatenate([[first], spread])
 
 
-def candidates(problem: Problem, first: np.ndarray) -> Iterator[np.ndarray]:
+def candidates(problem: FitProblem, first: np.ndarray) -> Iterator[np.ndarray]:
     """Yield numbers near minima, the most promising ones first."""
     rough = problem.thinned(MOST_SAMPLES)
     large = LARGE * rough.sizes
@@ -108,7 +108,7 @@ def candidates(problem: Problem, first: np.ndarray) -> Iterator[np.ndarray]:
                 yield _followed(rough, tried[number], count)
 
 
-def _followed(rough: Problem, values: np.ndarray, count: int) -> np.ndarray:
+def _followed(rough: FitProblem, values: np.ndarray, count: int) -> np.ndarray:
     """Return numbers fitted to the first `count` times, then to twice as many, up to all."""
     times = np.sort(rough.measured.t)
     while True:

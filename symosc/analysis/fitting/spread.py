@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symosc.analysis.fitting.measured import Measured
-from symosc.analysis.fitting.problem import Evaluation, Problem
+from symosc.analysis.fitting.problem import Evaluation, FitProblem
 from symosc.crosschecks.rounding import Digits, find_digits
 from symosc.simulation.simulate import ACCURACY
 
@@ -48,7 +48,7 @@ def rounding(measured: Measured, speeds: list[float]) -> dict[str, Digits]:
     return {name: column for name, column in digits.items() if column is not None}
 
 
-def units(problem: Problem, digits: dict[str, Digits]) -> np.ndarray:
+def units(problem: FitProblem, digits: dict[str, Digits]) -> np.ndarray:
     """Return for each residual a unit in the last place of its datum, 0 if that is a double."""
     measured = problem.measured
     none = np.zeros(len(measured.t))
@@ -62,14 +62,14 @@ def informative(slopes: np.ndarray, steps: np.ndarray) -> np.ndarray:
     return np.asarray(sizes > TELLS_NOTHING * np.max(sizes, initial=0.0))
 
 
-def column_rows(problem: Problem) -> list[slice]:
+def column_rows(problem: FitProblem) -> list[slice]:
     """Return the rows of residuals that belong to each measured column."""
     count = len(problem.measured.t)
     return [slice(i * count, (i + 1) * count) for i in range(len(problem.measured.columns))]
 
 
 def spread_of(
-    problem: Problem, at: Evaluation, steps: np.ndarray, kept: np.ndarray, places: np.ndarray,
+    problem: FitProblem, at: Evaluation, steps: np.ndarray, kept: np.ndarray, places: np.ndarray,
     losses: float,
 ) -> Spread:  # fmt: skip
     """Return how far off the fitted numbers may be.
@@ -101,7 +101,7 @@ def spread_of(
 
 
 def _variances(
-    problem: Problem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, kept: np.ndarray
+    problem: FitProblem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, kept: np.ndarray
 ) -> tuple[np.ndarray, float]:
     """Return the variance of each residual as its column shows it, and how uncertain that is.
 
@@ -126,7 +126,7 @@ def _variances(
     return variances, float(t.ppf(one_sigma, max(freedom, 1.0)) ** 2)
 
 
-def _data(problem: Problem) -> np.ndarray:
+def _data(problem: FitProblem) -> np.ndarray:
     """Return the measured numbers in the order of the residuals."""
     measured = problem.measured
     return measured.t if measured.states is None else measured.states.ravel()
@@ -145,7 +145,7 @@ def _repeating(places: np.ndarray, variances: np.ndarray) -> np.ndarray:
 
 
 def _rounded_spread(
-    problem: Problem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, places: np.ndarray,
+    problem: FitProblem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, places: np.ndarray,
     repeating: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Return the covariance of fits, in the axes of `root`, to rounded neighbours of a motion."""

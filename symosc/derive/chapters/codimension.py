@@ -11,7 +11,7 @@ import sympy as sp
 from symosc.derive.chapters.corrections import (
     BELT,
     HERE,
-    Oscillator,
+    ExampleOscillator,
     flow,
     neville,
     pull,
@@ -424,7 +424,7 @@ def meeting(kind: str) -> tuple[Any, Any]:
 
     def conditions(friction: Any, frequency: Any) -> tuple[Any, Any]:
         """Return position and velocity half a period later, minus what they have to be."""
-        above = Oscillator(damping, stiffness, amplitude, frequency, -friction)
+        above = ExampleOscillator(damping, stiffness, amplitude, frequency, -friction)
         if (
             kind == "(A)"
         ):  # sticks at x = F_N - 1 from the phase pi on until the force from above is 0

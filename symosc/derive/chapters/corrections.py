@@ -231,7 +231,7 @@ def _length(n: int) -> Any:
 # --- numbers: the exact flow with 60 digits beside a border ---
 
 
-class Oscillator(NamedTuple):
+class ExampleOscillator(NamedTuple):
     """One domain for m = 1, with numbers of 60 digits."""
 
     c: Any
@@ -241,7 +241,7 @@ class Oscillator(NamedTuple):
     A: Any = CONTEXT.mpf(0)
 
 
-def flow(o: Oscillator, place: Any, speed: Any, angle: Any, later: Any) -> tuple[Any, Any]:
+def flow(o: ExampleOscillator, place: Any, speed: Any, angle: Any, later: Any) -> tuple[Any, Any]:
     """Return position and velocity after a time, in closed form with complex roots."""
     mp = CONTEXT
     wave = o.B0 / mp.mpc(o.k - o.Omega**2, o.c * o.Omega)
@@ -261,7 +261,7 @@ def flow(o: Oscillator, place: Any, speed: Any, angle: Any, later: Any) -> tuple
     )
 
 
-def pull(o: Oscillator, belt: Any, place: Any, angle: Any) -> Any:
+def pull(o: ExampleOscillator, belt: Any, place: Any, angle: Any) -> Any:
     """Return U: the acceleration at the belt's speed."""
     return o.A + o.B0 * CONTEXT.cos(angle) - o.c * belt - o.k * place
 
@@ -275,7 +275,7 @@ SETTING = {
     B0: Fraction(2),
     v_lambda: Fraction(1, 2),
 }
-HERE = Oscillator(
+HERE = ExampleOscillator(
     c=number(SETTING[c] / SETTING[m]),
     k=number(SETTING[k] / SETTING[m]),
     B0=number(SETTING[B0] / SETTING[m]),

@@ -197,7 +197,7 @@ def how_far() -> Items:
 # --- one orbit: its equations at the root, and what happens between the switching points ---
 
 
-class Piece(NamedTuple):
+class MappingPiece(NamedTuple):
     """One mapping of an orbit: its entry `row` and the previous one's, `before`, in `MAPS`, and its
     equations f1, f2.
 
@@ -229,7 +229,7 @@ def orbit_points(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ..
     return tuple((x, theta - whole) for x, theta in points[first:] + later)
 
 
-def pieces(scope: Scope, word: str) -> list[Piece]:
+def pieces(scope: Scope, word: str) -> list[MappingPiece]:
     """Return the maps of an orbit with a word as Pieces, with the scene's numbers put in."""
     rows = read_word(word).maps
     basis = scope.regimes[0].basis()
@@ -274,7 +274,7 @@ def pieces(scope: Scope, word: str) -> list[Piece]:
                 meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
         f1, f2 = (_substituted(scope, f.xreplace(letters)) for f in (f1, f2))
         meaning = {name: _substituted(scope, value) for name, value in meaning.items()}
-        parts.append(Piece(row, before, here, f1, f2, meaning))
+        parts.append(MappingPiece(row, before, here, f1, f2, meaning))
     return parts
 
 
@@ -284,7 +284,7 @@ def _substituted(scope: Scope, expr: Any) -> Any:
 
 
 def _values(
-    parts: list[Piece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
+    parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
 ) -> dict[Any, Any]:
     """Return the values of all symbols: x and theta at the switching `points`, and those that
     `meaning` defines.
@@ -440,7 +440,7 @@ FUNCTIONS = [
 
 
 def _extremes(
-    scope: Scope, piece: Piece, start: tuple[Any, Any], end: Any
+    scope: Scope, piece: MappingPiece, start: tuple[Any, Any], end: Any
 ) -> Iterator[tuple[str, Any, str, list[tuple[str, Any]]]]:
     """Yield each extreme of v in a flight or of the forces in a stick: name, value, allowed range
     (LaTeX), bounds.

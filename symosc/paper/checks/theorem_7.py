@@ -149,7 +149,7 @@ RATIOS = tuple(sorted({s for s, _ in RATIONAL_PHASES} | {Fraction(6, 5), Fractio
 PAIRS = [(ratio * size, size) for size in DRIVES for ratio in RATIOS]
 
 
-class Row(NamedTuple):
+class ContactRow(NamedTuple):
     """A comparison at one contact: whether the exact flow grazes there, and whether a printed case
     agrees (`right`).
     """
@@ -161,7 +161,7 @@ class Row(NamedTuple):
 
 
 @cache
-def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, ...]:
+def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[ContactRow, ...]:
     """Compare a mapping's printed cases with the flow at all exact contacts whose B0 Omega/m is one
     of `drives`.
     """
@@ -176,7 +176,7 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Row, .
                 special = contact.slope(domain) == 0 and abs(gamma) == abs(amplitude)
                 for case in cases:
                     found.append(
-                        Row(
+                        ContactRow(
                             case[0],
                             is_inside([case], quarter_turns(s, c)) == grazes,
                             grazes,
