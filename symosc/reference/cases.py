@@ -224,7 +224,7 @@ def minus_if(negative: bool) -> str:
 def start_before_a_peak(
     p: Parameters, mapping: str, height: Fraction, t_m: str, t0: str
 ) -> tuple[str, str, str]:
-    """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt that `mapping` grazes."""
+    """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt of a graze."""
     # That is the start of the orbit that grazes a belt which is faster by `height`, or short of it
     # (height < 0).
     where = place(mapping)

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 import symosc
-from symosc import certify, load_scene, simulate
+from symosc import certify, find_orbit, grazing_window, load_scene, simulate
+from symosc.certificates import propose, propose_orbits
 from symosc.certificates.verify import verify
 
 
@@ -53,6 +54,22 @@ def test_proofs_take_nothing_from_the_engine(name: str) -> None:
             ]
             names = [each.lstrip(".") for each in names if isinstance(each, str)]
         assert {each.split(".")[0] for each in names} <= allowed, names
+
+
+def test_a_wrong_proposal_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The checker alone decides: what the engine proposes a little off is not proven."""
+    right = propose.around
+
+    def wrong(number: object, radius: object) -> tuple[Fraction, Fraction]:
+        return right(propose.fraction(number) + Fraction(1, 10**20), radius)
+
+    things = ("fig6", "fig7-exact", find_orbit("fig9"), grazing_window("fig9", "P2"))
+    for module in (propose, propose_orbits):
+        monkeypatch.setattr(module, "around", wrong)
+    for thing in things:
+        found = certify(thing)
+        assert not found.proven, thing
+        assert "not confirmed by the checker" in found.message
 
 
 @pytest.mark.parametrize("digits", [40, 70])

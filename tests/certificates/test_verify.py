@@ -624,9 +624,8 @@ def test_what_the_checker_refuses_is_not_proven(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(checker.base.LIMITS, "steps", 20)
     found = certify("fig5")
     assert not found.proven
-    assert found.message == (
-        "not confirmed by the checker: not proven: more than 20 steps (--steps), after 0 "
-        "events, from t = 0 on"
+    assert found.message.startswith(
+        "not confirmed by the checker: not proven: more than 20 steps (--steps), after "
     )
 
 
