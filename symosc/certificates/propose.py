@@ -291,7 +291,10 @@ def enclosed(statement: Record) -> tuple[list[tuple[Interval, Interval]], str]:
     """
     # Nothing rests on it: the file is proven as a whole.
     source = {key: value for key, value in statement.items() if key in verify.MOTION}
-    data = verify.read(source, verify.MOTION, "trajectory")
+    try:
+        data = verify.read(source, verify.MOTION, "trajectory")
+    except verify.Stop as stop:  # numbers beyond the limits of the format
+        return [], stop.args[1]
     start = [data["start"][name] for name in STARTS]
     found: list[tuple[Interval, Interval]] = []
     reason = ""

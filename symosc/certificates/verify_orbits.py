@@ -277,7 +277,7 @@ def eigenvalues(T, d):
 
 #: A motion from a smaller set of starts than one already proven to have no events in between: this
 #: is not proven again.
-Within = type("Within", (base.Motion,), {"positive": lambda motion, *until: None})
+Within = type("Within", (base.VerifiedMotion,), {"positive": lambda motion, *until: None})
 
 
 def orbit(data, source, limits):
@@ -285,7 +285,7 @@ def orbit(data, source, limits):
 
     Return lines of text.
     """
-    problem = base.Problem(data["parameters"], limits)
+    problem = base.StatedOscillator(data["parameters"], limits)
     periods = data["periods"]
     events = course(data)
     rows = data["events"]
@@ -302,7 +302,7 @@ def orbit(data, source, limits):
             for row, by in zip(rows, spare, strict=True)
         ]
         motions, u, D = base.period(
-            problem, wide, centre, widths, turn, base.Motion if scale == 1 else Within
+            problem, wide, centre, widths, turn, base.VerifiedMotion if scale == 1 else Within
         )
         for each, width, c, (about, most) in zip(u, widths, centre, whole, strict=True):
             require(width - abs(each), "that an orbit is in the box, and only one")
@@ -959,7 +959,7 @@ def branch(data, source, limits):
         BAD,
     )
     for value in [*span, *(end["outside"] for end in data["ends"])]:
-        problem = base.Problem(data["parameters"] | {name: value}, limits)
+        problem = base.StatedOscillator(data["parameters"] | {name: value}, limits)
     for row in rows:
         if tried:
             tried[-1].within(row, *tried[-1].root(row["value"][0]))
@@ -1601,7 +1601,7 @@ def atlas(data, source, limits):
     p = data["parameters"]
     check(over[0] != over[1], "two different parameters", BAD)
     for corner in ((x, y) for x in whole[0] for y in whole[1]):
-        problem = base.Problem(p | dict(zip(over, corner, strict=True)), limits)
+        problem = base.StatedOscillator(p | dict(zip(over, corner, strict=True)), limits)
         check(min(problem.p["c"], problem.p["k"]) > 0, "a damper and a spring in the whole range")
     boxes = [row["range"] for row in data["boxes"]]
     for box in [whole, *boxes, *data["open"]]:

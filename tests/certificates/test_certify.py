@@ -115,3 +115,9 @@ def test_derivatives_are_enclosed(name: str) -> None:
                     axis,
                 )
                 assert high - low < Fraction(1, 10**20) * max(1, abs(low))
+
+
+def test_an_error_of_the_start_below_the_limits_of_the_format_is_not_proven() -> None:
+    certificate = certify("fig6", t_end=2, start_error=Fraction(1, 10**5000))
+    assert not certificate.proven
+    assert "between 1e-100 and 1e100" in certificate.message
