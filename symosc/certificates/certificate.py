@@ -152,14 +152,16 @@ def stated(
     )
 
 
-def confirmed(kind: str, statement: Record, points: tuple[Any, ...] = ()) -> Certificate:
-    """Let the independent checker prove a statement, the contents of a file.
+def confirmed(
+    kind: str, statement: Record, points: tuple[Any, ...] = (), **limits: int
+) -> Certificate:
+    """Let the independent checker prove a statement, the contents of a file, within `limits`.
 
     Return a certificate with its verdict.
     """
     from symosc.certificates.verify_orbits import judge
 
-    code, answer = judge({"format": FORMAT, "kind": kind, "proven": True} | statement)
+    code, answer = judge({"format": FORMAT, "kind": kind, "proven": True} | statement, **limits)
     if code:
         return stated(kind, False, f"not confirmed by the checker: {answer}", statement, points)
     return stated(kind, True, answer.splitlines()[0].removeprefix("proven: "), statement, points)

@@ -61,6 +61,8 @@ MORE_DIGITS = 200
 FINER = (1, 2)
 #: What the checker says where no digits of a proposal help.
 NEAR_MISS = "a touch or a near miss"
+#: Steps that the checker is given at first, for each event and one more.
+QUICK_STEPS = 2000
 #: Radii to propose for a start with an error, in units of the engine's estimate.
 WIDER = (1.25, 2.5, 8.0, 64.0)
 EXACT = (Fraction(0),) * 3
@@ -77,7 +79,7 @@ SETTLED_DIGITS = 90
 #: Decimal places of the box.
 BOX_PLACES = 60
 #: Bits with which the checker is asked how wide its sets are.
-CHECKED_BITS = (256, 512, 1024)
+CHECKED_BITS = (256, 512, 1024, 2048)
 #: How many events a motion may take to come near the orbit, tried one after another; how near that
 #: is (of t, and of x).
 MOST_EVENTS_BEFORE = (50, 400, 2000)
@@ -205,7 +207,7 @@ def certify_motion(task: ToProve) -> Certificate:
     message = ""
     try:
         for statement in _statements(task):
-            certificate = confirmed("trajectory", statement)
+            certificate = _checked(statement)
             if certificate.proven:
                 return certificate
             message = certificate.message
@@ -216,7 +218,7 @@ def certify_motion(task: ToProve) -> Certificate:
         statement = undecided.statement or statement
     rows = []
     if "events" in statement:
-        rows = statement["events"][: len(enclosed(statement)[0])]
+        rows = statement["events"][: len(enclosed(statement, CHECKED_BITS[:2])[0])]
     kept = {
         key: value
         for key, value in statement.items()
@@ -227,6 +229,21 @@ def certify_motion(task: ToProve) -> Certificate:
     count = f"after {len(rows)} event{'' if len(rows) == 1 else 's'}"
     text = f"{message}, {count}, from t = {float(since):.15g} on"
     return stated("trajectory", False, text, kept)
+
+
+def _checked(statement: Record) -> Certificate:
+    """Return the certificate of a proposed motion with the checker's verdict."""
+    # At a touch the checker takes steps without end, with ever more bits. So it is first given the
+    # few steps that most motions take, and then asked whether it stops at a touch.
+    steps = min(verify.LIMITS["steps"], QUICK_STEPS * (1 + len(statement["events"])))
+    certificate = confirmed("trajectory", statement, steps=steps)
+    if certificate.proven or "(--steps)" not in certificate.message:
+        return certificate
+    reason = enclosed(statement)[1]
+    if reason == NEAR_MISS and statement["starts"] == "all":
+        message = f"not confirmed by the checker: not proven: {reason}"
+        return stated("trajectory", False, message, statement)
+    return confirmed("trajectory", statement)
 
 
 def _statements(task: ToProve) -> Iterator[Record]:
@@ -284,10 +301,12 @@ def _possible_touch(task: ToProve, run: Trajectory, digits: int) -> Touch | None
     return min(touches, key=lambda touch: abs(_least_gap(task, touch, given, t, digits)[0]))
 
 
-def enclosed(statement: Record) -> tuple[list[tuple[Interval, Interval]], str]:
+def enclosed(
+    statement: Record, precisions: Sequence[int] = CHECKED_BITS
+) -> tuple[list[tuple[Interval, Interval]], str]:
     """Return how the checker encloses t and x of each event of a file, and why it stops.
 
-    It is "" if the checker follows the motion up to t_end.
+    It is "" if the checker follows the motion up to t_end. `precisions` are the bits to try.
     """
     # Nothing rests on it: the file is proven as a whole.
     source = {key: value for key, value in statement.items() if key in verify.MOTION}
@@ -298,7 +317,7 @@ def enclosed(statement: Record) -> tuple[list[tuple[Interval, Interval]], str]:
     start = [data["start"][name] for name in STARTS]
     found: list[tuple[Interval, Interval]] = []
     reason = ""
-    for bits in CHECKED_BITS:
+    for bits in precisions:
         found = []
         limits = verify.LIMITS | {"left": verify.LIMITS["steps"]}
         with verify.LOCK, ctx.workprec(bits):
