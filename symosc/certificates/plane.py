@@ -284,9 +284,9 @@ class BoxEquations:
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
         x = flown[0].x0
-        return u[0] + (2 - self.mirrored) * arb.pi(), (
-            o.A[1] + o.A[3]
-        ) / o.k - x if self.mirrored else x
+        if self.mirrored:
+            x = (o.A[1] + o.A[3]) / o.k - x
+        return u[0] + (2 - self.mirrored) * arb.pi(), x
 
     def residuals(self, o: OscillatorInBalls, u: Values) -> tuple[list[BoxFlight], Values]:
         """Return the flights followed to their ends, and the residuals of the closing equations."""

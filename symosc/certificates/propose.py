@@ -346,7 +346,7 @@ def ends_of(ball: Any) -> Interval:
 
 
 def _followed(task: ToProve, digits: int, most: int | None = None, **changes: Any) -> Trajectory:
-    """Return the motion with enough digits for enclosures of `digits`, or raise Open."""
+    """Return the motion with enough digits for enclosures of `digits`, or raise NothingProposed."""
     working = digits + SPARE_DIGITS + task.error_digits
     run = task.run(working, most, **changes)
     if run.status == "undecidable" and task.exact and working < MORE_DIGITS:
@@ -443,7 +443,7 @@ def first_entries(task: ToProve, digits: int) -> Record:
 
 
 def _derivatives(task: ToProve, run: Trajectory) -> Record:
-    """Return the derivatives of all events by `task.wrt` as entries of the file, or raise Open."""
+    """Return the derivatives of all events by `task.wrt` as entries of the file, or raise NothingProposed."""
     count = len(run.events)
     for name in task.wrt:
         if name not in provable(task.p, task.start[2]):

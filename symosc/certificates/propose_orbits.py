@@ -361,7 +361,7 @@ class BranchProposal:
     def _proposed(
         self, stable: bool | None, progress: Callable[[float], None] | None
     ) -> Certificate:
-        """Return the certificate, or raise Open."""
+        """Return the certificate, or raise NothingProposed."""
         ends = [self._end(end, side) for end, side in zip(self.ends, (-1, 1), strict=True)]
         low, high = (Fraction(end["inside"]) for end in ends)
         stable = self._cover(low, high, stable, progress)
@@ -410,7 +410,7 @@ class BranchProposal:
         progress: Callable[[float], None] | None,
     ) -> bool | None:
         """Find intervals from end to end, each of which the checker proves by itself, or raise
-        Open.
+        NothingProposed.
 
         Return whether all orbits are proven to be stable: `stable`, or None.
         """
@@ -453,7 +453,7 @@ class BranchProposal:
 
     def _end(self, end: ProposedEnd, side: int) -> Record:
         """Return the branch's lower (`side` -1) or upper (1) end as the checker proves it, or raise
-        Open.
+        NothingProposed.
         """
         if end.kind == RANGE:
             return {"kind": RANGE, "inside": show(end.value), "outside": show(end.value)}

@@ -211,11 +211,9 @@ def test_a_wrong_sign_of_the_condition_is_found(
     true_contains = GrazingWindow.contains
 
     def turned(window: GrazingWindow, theta: Any) -> Any:
-        return (
-            ~np.asarray(true_contains(window, theta))
-            if np.ndim(theta)
-            else window._sign_at(theta) > 0
-        )
+        if np.ndim(theta):
+            return ~np.asarray(true_contains(window, theta))
+        return window._sign_at(theta) > 0
 
     monkeypatch.setattr(GrazingWindow, "contains", turned)
     monkeypatch.setattr(

@@ -308,7 +308,14 @@ def roots() -> Iterator[Any]:
             p = np.convolve(p, [-root, 1.0])
         p = (p if p[0] > 0 else -p).tolist()
         touch, sigma = first_root(p, rng.choice([1e-15, 1e-12, 1e-6]), 2.0**-52)
-        yield [touch, -1.0 if sigma is None else round(sigma, 4 if touch else 9)]
+        if touch:
+            places = 4
+        else:
+            places = 9
+        if sigma is None:
+            yield [touch, -1.0]
+        else:
+            yield [touch, round(sigma, places)]
 
 
 CASES: dict[str, Callable[[], object]] = {

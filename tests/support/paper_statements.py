@@ -292,11 +292,11 @@ def evidence(number: int) -> Evidence:
     module, name, instead, check, verdict = STATEMENTS[number]
     theorem_7.rows_of.cache_clear()
     try:
-        with (
-            patch.dict(module, {name: instead})
-            if isinstance(module, dict)
-            else patch.object(module, name, instead)
-        ):
+        if isinstance(module, dict):
+            patched = patch.dict(module, {name: instead})
+        else:
+            patched = patch.object(module, name, instead)
+        with patched:
             found = check()
     finally:
         theorem_7.rows_of.cache_clear()

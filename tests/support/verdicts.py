@@ -160,9 +160,13 @@ def compare(
                 " ".join(map(show, each)) or "nothing" for each in (mine, other)
             )
             where = f"{prefix}event {same} ({len(ours)} events, {len(theirs)} expected, status {verdict.status})"
-            verdict.add(
-                "wrong kind" if kind else "invented" if invented else "missed", f"{where}: {said}"
-            )
+            if kind:
+                fault = "wrong kind"
+            elif invented:
+                fault = "invented"
+            else:
+                fault = "missed"
+            verdict.add(fault, f"{where}: {said}")
 
 
 def _near(event: Any, expected: Any) -> bool:

@@ -529,11 +529,9 @@ def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
                 value = each.shortest
             lists[off > PHASE].append(f"{each.name} = {value} (at t = {each.t_m:.6g})")
     first = " or ".join(lists[0]) or "none at a quarter of a period"
-    return first + (
-        f"; also, at times that nothing tells from others, {' or '.join(lists[1])}"
-        if lists[1]
-        else ""
-    )
+    if not lists[1]:
+        return first
+    return f"{first}; also, at times that nothing tells from others, {' or '.join(lists[1])}"
 
 
 def start_grazes(figure: Graze) -> Evidence:

@@ -688,11 +688,9 @@ def _gap(scene: Scene, name: str, value: float) -> np.ndarray:
         orbit = find_orbit(scene.parameters.replace(**{name: value}), str(scene.structure))
     except SymoscError:
         return np.array([inf, inf])
-    return np.array(
-        min(_gaps(orbit, scene), key=lambda gap: max(map(abs, gap)))
-        if orbit.admissible
-        else [inf, inf]
-    )
+    if not orbit.admissible:
+        return np.array([inf, inf])
+    return np.array(min(_gaps(orbit, scene), key=lambda gap: max(map(abs, gap))))
 
 
 def _gaps(orbit: PeriodicOrbit, scene: Scene) -> list[tuple[float, float]]:
