@@ -28,7 +28,7 @@ def test_words_are_compositions() -> None:
 
 def test_windows_and_orbits() -> None:
     p = load_scene("fig9").parameters
-    assert r"\arcsin{\left(\frac{1}{12} \right)}" in grazing_window(p, "P2")._repr_latex_()
+    assert r"\arcsin\left(\frac{1}{12}\right)" in grazing_window(p, "P2")._repr_latex_()
     text = find_orbit(p, "P32")._repr_latex_()
     assert r"P_2: & 0.181670397924 & 4.15492066133" in text
     assert r"\lambda = -0.0168023 + 0.0695943\,\mathrm{i}" in text

@@ -46,6 +46,8 @@ def limited(which: int, most: int, *words: str, folder: Path) -> tuple[int, str]
         capture_output=True,
         text=True,
         check=False,
+        # Of a compiled module CPython would keep as much as it could write.
+        env=os.environ | {"PYTHONDONTWRITEBYTECODE": "1"},
         preexec_fn=partial(resource.setrlimit, which, (most, most)),
     )
     return done.returncode, done.stderr

@@ -35,12 +35,10 @@ def package_of(name: str, subject: object) -> str:
 
     Else `model`, which is for all modules.
     """
-    package = (getattr(subject, "__module__", "") + ".").split(".")[1]
     if name.startswith("symosc.plot."):
         return "plot"
-    if package in PAGES:
-        return package
-    return "model"
+    rooms = getattr(subject, "__module__", "").split(".")[1:]
+    return next((room for room in rooms if room in PAGES), "model")
 
 
 def pages() -> dict[str, str]:

@@ -123,7 +123,7 @@ def _text(kinds: Sequence[Kind | type]) -> str:
 def _text_of(kind: Kind | type) -> str:
     if isinstance(kind, Kind):
         return kind.text
-    if kind.__name__.endswith("s"):  # Parameters
+    if kind.__name__ == "Parameters":  # a plural
         return kind.__name__
     article = "an" if kind.__name__[0] in "AEIO" else "a"
     return f"{article} {kind.__name__}"

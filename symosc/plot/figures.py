@@ -225,9 +225,7 @@ def orbit_figure(
     require(PeriodicOrbit, orbit=orbit)
     require(WHOLE, columns=columns)
     if not orbit.admissible:
-        raise ParameterError(
-            "orbit", orbit.word, f"must be an admissible orbit, not {orbit.message}"
-        )
+        raise ParameterError("orbit", orbit.word, f"no motion follows it: it is {orbit.message}")
     motion = simulate_orbit(orbit, PERIODS_SHOWN)
     if panels is None:
         if ax is None:

@@ -16,12 +16,12 @@ pytestmark = pytest.mark.slow
 PEERS = """
 from symosc import simulate
 from symosc.bench.solvers import Solver
-from symosc.bench.solvers import FoundEvent
+from symosc.bench.solvers import SolverEvent
 
 
 def prepare(scene, tolerance):
     def run():
-        return [FoundEvent(e.t + tolerance, e.x, e.kind, e.boundary) for e in simulate(scene).events]
+        return [SolverEvent(e.t + tolerance, e.x, e.kind, e.boundary) for e in simulate(scene).events]
 
     return run
 

@@ -18,8 +18,8 @@ from samples import sample_of
 import symosc.certificates.atlas as atlases
 from symosc import Atlas, ParameterError, atlas, certify, find_orbit
 from symosc.certificates.balls import OscillatorInBalls, ball
+from symosc.certificates.verify_orbits import BallOscillator as InBalls
 from symosc.certificates.verify_orbits import Flight, judge, marks
-from symosc.certificates.verify_orbits import OscillatorInBalls as InBalls
 from symosc.model import PARAMETER_NAMES, by_name
 from symosc.orbits.border import borders_between
 

@@ -133,5 +133,5 @@ def test_bad_input_is_named() -> None:
     word = compiled_residual(p, "P32")
     with pytest.raises(ParameterError, match="3 rows"):
         word(np.ones((2, 1)), np.ones((2, 1)))
-    with pytest.raises(ParameterError, match="is a word"):
+    with pytest.raises(ParameterError, match="must be a single map, not a word"):
         _ = word.scalar

@@ -75,7 +75,7 @@ def test_a_field_of_an_event_is_added_as_contributing_says(copy: Path) -> None:
         ("    theta: Number\n", "    theta: Number\n    a: Number\n"),
         ("    boundary: int\n", "    boundary: int\n    period: int\n"),
         ("state.theta, t_error", "state.theta, state.Fb, t_error"),
-        ("found.boundary, before.mode", "found.boundary, found.state.n, before.mode"),
+        ("event.boundary, before.mode", "event.boundary, event.state.n, before.mode"),
     )
     run(copy, "-c", EVENTS)
     events = json.loads(run(copy, "-m", "symosc", "simulate", "fig9", "--json"))["events"]

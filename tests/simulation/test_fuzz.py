@@ -34,6 +34,7 @@ def test_random_scenes_of_every_family(family: str, number: int) -> None:
     assert_no_faults(family, range(number, number + 1), PARTS.get(family, Fraction(1)))
 
 
+@pytest.mark.compiled("doubles")
 @pytest.mark.slow
 @pytest.mark.parametrize("family", TOUCHING)
 def test_more_scenes_that_touch(family: str) -> None:

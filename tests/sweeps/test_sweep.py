@@ -120,6 +120,7 @@ from symosc import OutputError, sweep
 from symosc.sweeps import sweep as chunks
 from symosc.sweeps.store import Store
 chunks.FIRST_CHUNK = chunks.MOST_CHUNK = 5
+sys.dont_write_bytecode = True  # CPython keeps what it could write of a module
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 try:
     sweep(SCENE, OVER, **OPTIONS, path={path!r})
