@@ -30,6 +30,13 @@ EXCEPTIONS = 0.1
 FEWEST_FLIGHTS = 60
 # Noise makes no defect that is larger than this many of its standard deviations.
 MOST_DEVIATIONS = 6.0
+# The median of chi-square with 1 degree of freedom: that of (error/deviation)^2 of normal errors.
+MEDIAN_CHI2 = 0.455
+# Noise shows in at least this many pairs of successive wrong steps.
+FEWEST_PAIRS = 12
+# White noise makes the correlation of their defects -1/2: these share one sample, whose error is in
+# both with opposite signs, and is half of the variance of each. Half of that is enough.
+LEAST_CORRELATION = -0.25
 FEWEST = 8
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
 POSITIONS_ALONE = ("with positions alone", None, lambda t, x, v: (t, x, None))
@@ -430,37 +437,59 @@ def noise(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise
     makes them.
     """
-    inside = case.inside_wrong
-    pairs = inside[:-1][np.diff(inside) == 1]
-    # Times in single precision make such defects too, of x and v that are right.
-    if len(pairs) < 12 or _are_single(case.steps.t):
-        return
     s = case.steps
-    defects = case.steps.defects
-    # The effect of the error of a sample in between, minus the defect before it, on the next step.
+    inside = case.inside_wrong
+    first_of_pairs = inside[:-1][np.diff(inside) == 1]
+    # Times in single precision make such defects too, of x and v that are right.
+    if len(first_of_pairs) < FEWEST_PAIRS or _are_single(s.t):
+        return
+    correlation_x, correlation_v = _step_correlations(case, first_of_pairs)
+    both = (correlation_x, correlation_v)
+    # NaN, where nothing moves, is no correlation either.
+    if not (max(both) < 0.0 and min(both) < LEAST_CORRELATION):
+        return
+    noise_x, noise_v = _noise_sizes(s.defects[inside])
+    words = f"the samples have noise of about {noise_x:.2g} in x and {noise_v:.2g} in v"
+    evidence = (
+        "what one step is off, the next one takes back: "
+        f"correlation {correlation_x:.2f} in x, {correlation_v:.2f} in v"
+    )
+    error = float(noise_v / np.sqrt(2.0 * len(inside)))
+    diagnosis = Diagnosis("noise", "", words, evidence, float(noise_v), error)
+    # A step has the noise of both its samples, and v of the first one moves x.
+    h = np.diff(s.t)
+    usual = np.column_stack(
+        [np.hypot(np.sqrt(2.0) * noise_x, h * noise_v), np.full(len(h), 2.0 * noise_v)]
+    )
+    fits = np.all(np.abs(s.defects) <= case.allowed + MOST_DEVIATIONS * usual, axis=1)
+    yield Explanation(diagnosis, left=np.where(fits, 0.0, case.sizes))
+
+
+def _step_correlations(case: FaultySteps, steps: np.ndarray) -> tuple[float, float]:
+    """Return how the defects of steps correlate, in x and in v, with those of the steps after
+    them.
+
+    Each defect is first carried over the next step by the motion.
+    """
+    s = case.steps
+    between = steps + 1
+    # `moved` goes on from where the exact motion ends each step, `s` from the sample there.
     moved = replace(s, x=s.x.copy(), v=s.v.copy())
-    moved.x[pairs + 1] += defects[pairs, 0]
-    moved.v[pairs + 1] += defects[pairs, 1]
-    domain = case.domain[pairs + 1]
-    effect = moved.flight(domain, pairs + 1, pairs + 2) - s.flight(domain, pairs + 1, pairs + 2)
-    after = defects[pairs + 1]
-    products = np.sqrt(np.sum(effect**2, axis=0) * np.sum(after**2, axis=0))
-    x, v = (np.sum(effect * after, axis=0) / products).tolist()
-    if max(x, v) < 0.0 and min(x, v) < -0.25:  # noise makes it about -0.5
-        sizes = np.sqrt(np.median(defects[inside] ** 2, axis=0) / 0.455 / 2.0)
-        words = f"the samples have noise of about {sizes[0]:.2g} in x and {sizes[1]:.2g} in v"
-        evidence = (
-            f"what one step is off, the next one takes back: correlation {x:.2f} in x, {v:.2f} in v"
-        )
-        error = float(sizes[1] / np.sqrt(2.0 * len(inside)))
-        diagnosis = Diagnosis("noise", "", words, evidence, float(sizes[1]), error)
-        # A step has the noise of both its samples, and v of the first one moves x.
-        h = np.diff(s.t)
-        usual = np.column_stack(
-            [np.hypot(np.sqrt(2.0) * sizes[0], h * sizes[1]), np.full(len(h), 2.0 * sizes[1])]
-        )
-        fits = np.all(np.abs(defects) <= case.allowed + MOST_DEVIATIONS * usual, axis=1)
-        yield Explanation(diagnosis, left=np.where(fits, 0.0, case.sizes))
+    moved.x[between] += s.defects[steps, 0]
+    moved.v[between] += s.defects[steps, 1]
+    domain = case.domain[between]
+    carried = moved.flight(domain, between, between + 1) - s.flight(domain, between, between + 1)
+    after = s.defects[between]
+    products = np.sqrt(np.sum(carried**2, axis=0) * np.sum(after**2, axis=0))
+    x, v = (np.sum(carried * after, axis=0) / products).tolist()
+    return x, v
+
+
+def _noise_sizes(defects: np.ndarray) -> np.ndarray:
+    """Return the standard deviations of the noise of a sample in x and v, from defects of steps."""
+    # The median is not moved by outliers. Both samples of a step add their noise: the variance of
+    # its defect is twice that of a sample.
+    return np.asarray(np.sqrt(np.median(defects**2, axis=0) / MEDIAN_CHI2 / 2.0))
 
 
 def few_digits(check: Verdict) -> Iterator[Diagnosis]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symosc.crosschecks.steps import ExactSteps
+from symosc.engine.state import ON_BELT
 from symosc.friction import MODE_NAMES
 
 #: Reasons by name, in words.
@@ -137,7 +138,7 @@ def _jump(step: WrongStep) -> str:
 
 
 def _drift(step: WrongStep) -> str:
-    belt = step.last - 3
+    belt = step.last - ON_BELT
     if belt <= 0 or step.mode != step.last:
         return ""
     gap = step.gaps[belt - 1, 1]
@@ -147,14 +148,14 @@ def _drift(step: WrongStep) -> str:
 
 
 def _wrong_force(step: WrongStep) -> str:
-    if not step.fitting or len(step.times) or step.first > 3:
+    if not step.fitting or len(step.times) or step.first > ON_BELT:
         return ""
     return f"the force of Omega{step.fitting[0]} explains the step, which lies in Omega{step.first}"
 
 
 def _event_at_start(step: WrongStep) -> str:
-    if step.first > 3 and step.mode <= 3:
-        return f"the mass sticks to belt {step.first - 3} here, the samples leave it ({step.here})"
+    if step.first > ON_BELT and step.mode <= ON_BELT:
+        return f"the mass sticks to belt {step.first - ON_BELT} here, the samples leave it ({step.here})"
     near_start = abs(step.gaps[step.nearest, 0]) <= step.near
     if step.fitting and near_start and (not len(step.times) or step.at_once):
         return f"the force of Omega{step.fitting[0]} explains the step ({step.here})"
@@ -162,10 +163,10 @@ def _event_at_start(step: WrongStep) -> str:
 
 
 def _sign_tolerance(step: WrongStep) -> str:
-    if step.mode <= 3 and step.first <= 3 and step.at_once:
+    if step.mode <= ON_BELT and step.first <= ON_BELT and step.at_once:
         return f"{step.here}: the step begins on the wrong side of the belt"
-    if step.mode > 3 and step.last <= 3 and step.mode_before == step.mode:
-        return f"the mass leaves belt {step.mode - 3}, the samples stay on it ({step.here})"
+    if step.mode > ON_BELT and step.last <= ON_BELT and step.mode_before == step.mode:
+        return f"the mass leaves belt {step.mode - ON_BELT}, the samples stay on it ({step.here})"
     return ""
 
 
@@ -180,7 +181,7 @@ def _double_root(step: WrongStep) -> str:
 
 def _outlier(step: WrongStep) -> str:
     i = step.i
-    if len(step.times) or i + 2 >= len(step.steps.t) or step.first > 3:
+    if len(step.times) or i + 2 >= len(step.steps.t) or step.first > ON_BELT:
         return ""
     left = step.over_next[step.first - 1]
     if not left <= step.limit:

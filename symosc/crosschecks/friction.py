@@ -11,7 +11,7 @@ import numpy as np
 
 from symosc.crosschecks.causes import Diagnosis, Explanation, FaultySteps, fitted, larger
 from symosc.crosschecks.models import rounded
-from symosc.engine.state import SLIP
+from symosc.engine.state import ON_BELT, SLIP
 from symosc.kernels._generated import acceleration
 from symosc.simulation.tables import counted
 
@@ -154,7 +154,8 @@ def _find_sticks(case: FaultySteps) -> StickSteps | None:
     """Return the telling steps with a stick, and some right ones; None if no wrong step has one."""
     s = case.steps
     stuck = np.union1d(
-        np.flatnonzero((s.first > 3) | (s.last > 3)), s.events.step[s.events.target > 3]
+        np.flatnonzero((s.first > ON_BELT) | (s.last > ON_BELT)),
+        s.events.step[s.events.target > ON_BELT],
     )
     stuck = stuck[np.diff(s.t)[stuck] > 0.0]
     wrong = np.intersect1d(stuck, case.telling)
@@ -170,9 +171,9 @@ def _find_sticks(case: FaultySteps) -> StickSteps | None:
             end = float(times[slips[0]])
         else:
             end = float(s.t[i + 1])
-        onsets = np.flatnonzero(targets > 3)
-        if s.first[i] > 3:
-            rows.append((i, int(s.first[i]) - 3, s.t[i], s.x[i], s.v[i], end))
+        onsets = np.flatnonzero(targets > ON_BELT)
+        if s.first[i] > ON_BELT:
+            rows.append((i, int(s.first[i]) - ON_BELT, s.t[i], s.x[i], s.v[i], end))
         elif len(onsets):
             k = int(onsets[0])
             belt = int(belts[k])

@@ -18,6 +18,7 @@ from symosc.crosschecks.causes import (
     best_between,
     larger,
 )
+from symosc.engine.state import ON_BELT
 from symosc.kernels._generated import acceleration
 from symosc.simulation.tables import counted
 
@@ -119,7 +120,7 @@ def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
         if here == 0:
             belt = 1 + int(np.argmin(np.abs(s.v[i] - s.belts)))
             if i == 0 or case.domain[i - 1] == 0:
-                modes = [3 + belt]
+                modes = [ON_BELT + belt]
             else:
                 modes = [int(case.domain[i - 1])]
             old += [(mode, belt, s.t[i], state) for mode in modes if mode != s.first[i]]
@@ -135,7 +136,13 @@ def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
             mode = int(s.events.target[k])
             state = (s.events.t[k], s.events.x[k], s.belts[belt - 1], s.events.theta[k])
         for mode, belt, begin, state in old:
-            ends = ((belt, 0), (belt + 1, 0), (3 + belt, belt), (belt, belt), (belt + 1, belt))
+            ends = (
+                (belt, 0),
+                (belt + 1, 0),
+                (ON_BELT + belt, belt),
+                (belt, belt),
+                (belt + 1, belt),
+            )
             rows += [(i, mode, *end, begin, *state) for end in ends if end != (mode, 0)]
     table = np.array(rows, dtype=float).reshape(-1, 9).T
     return Delays(*table[:4].astype(int), *table[4:])
@@ -157,8 +164,8 @@ def _moved(
     """Return x and v after times `tau` in the given modes, without any event."""
     s = case.steps
     x, v = state
-    held = mode > 3
-    speed = s.belts[np.where(held, mode - 4, 0)]
+    held = mode > ON_BELT
+    speed = s.belts[np.where(held, mode - ON_BELT - 1, 0)]
     flown = s.fly(np.where(held, 1, mode), x, v, theta, tau).T
     return np.where(held, [x + speed * tau, speed], flown)
 
@@ -168,7 +175,7 @@ def _late_words(case: FaultySteps, ways: Delays, delay: np.ndarray, whole: np.nd
     count = len(delay)
     first = f"the first wrong one begins at t = {float(case.steps.t[ways.step[0]]):.10g}"
     known = ways.begin > case.steps.t[ways.step]  # those with the event in the step
-    held = ways.source > 3
+    held = ways.source > ON_BELT
     if np.all(held):
         words = (
             "sticks end too late: the samples go on with the belt where it does not hold any more "
@@ -208,7 +215,7 @@ def _friction_at_ends(case: FaultySteps, ways: Delays, delay: np.ndarray) -> tup
     if not np.any(ends):
         return np.nan, np.inf
     time = (ways.begin + delay - ways.t)[ends]
-    belt = ways.source[ends] - 3
+    belt = ways.source[ends] - ON_BELT
     x = ways.x[ends] + s.belts[belt - 1] * time
     A = np.array([K.A1, K.A2, K.A3])
     half = 0.5 * (A[belt - 1] - A[belt])
@@ -261,7 +268,7 @@ def _gone_over_words(
         belt = 1 + np.argmin(np.abs(s.v[:, None] - s.belts), axis=1)
         gap = s.v - s.belts[belt - 1]
         near = np.flatnonzero(
-            case.wrong[1:] & case.wrong[:-1] & (s.last[1:] > 3) & (s.last[:-1] > 3)
+            case.wrong[1:] & case.wrong[:-1] & (s.last[1:] > ON_BELT) & (s.last[:-1] > ON_BELT)
         )
         changes = np.diff(gap)
         turned = 0.0
@@ -300,8 +307,8 @@ def _mixtures(
     belt's speed, unless `any_stick` allows all sticks.
     """
     s = case.steps
-    sticks = (s.last[steps] > 3) | (s.first[steps] > 3)
-    sticks |= np.isin(steps, s.events.step[s.events.target > 3])
+    sticks = (s.last[steps] > ON_BELT) | (s.first[steps] > ON_BELT)
+    sticks |= np.isin(steps, s.events.step[s.events.target > ON_BELT])
     fits = np.zeros(len(steps), bool)
     parts = np.zeros(len(steps))
     begin = s.v[steps]
@@ -327,10 +334,12 @@ def _mixtures(
         # Where the exact motion sticks in the step, a stick with a fault looks like a mixture too:
         # v has to be about the belt's speed, as near as at the ends of steps that end in a stick.
         reach = np.abs(gap[:, 1])  # what friction can do within the step
-        about = (s.last[steps] == 3 + belt) & (end != speed) & (np.abs(end - speed) <= reach)
+        about = (s.last[steps] == ON_BELT + belt) & (end != speed) & (np.abs(end - speed) <= reach)
         nearest = np.max(np.abs(end - speed)[about], initial=0.0)
         begins = sticks & (begin != speed) & (np.abs(begin - speed) <= nearest)
-        leaves = (s.last[np.maximum(steps - 1, 0)] == 3 + belt) & (np.abs(begin - speed) <= reach)
+        leaves = (s.last[np.maximum(steps - 1, 0)] == ON_BELT + belt) & (
+            np.abs(begin - speed) <= reach
+        )
         about |= leaves & (begin != speed)
         passes &= ~sticks | begins | any_stick
         here = bounded & (passes | about)

@@ -25,6 +25,7 @@ from symosc.crosschecks.causes import (
 )
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
+from symosc.engine.state import ON_BELT
 from symosc.kernels._generated import acceleration
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.tables import counted
@@ -485,7 +486,7 @@ def jumps_of_clock(case: FaultySteps) -> Iterator[Explanation]:
     """
     s = case.steps
     i = int(case.moving_wrong[0])
-    held = bool(s.first[i] > 3 and s.last[i] == s.first[i] and i not in s.events.step)
+    held = bool(s.first[i] > ON_BELT and s.last[i] == s.first[i] and i not in s.events.step)
     if not (held or i in case.inside) or i + case.offset == 0:
         return
     domain = case.domain[[i]]
