@@ -180,12 +180,11 @@ def velocity_column(case: FaultySteps) -> Iterator[Explanation]:
         "v is the difference of x to the sample before, over the step": np.append(np.nan, slopes),
         "v is the difference of x to the next sample, over the step": np.append(slopes, np.nan),
     }
+    # To 9 digits, but for what the rounding of x makes of differences over short steps.
+    allowed = 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h)
     for words, v in made.items():
         off = np.abs(v - s.v)[1:-1] / np.max(np.abs(s.v))
-        if (
-            np.mean(off <= 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h))
-            >= 1.0 - EXCEPTIONS
-        ):
+        if np.mean(off <= allowed) >= 1.0 - EXCEPTIONS:
             yield Explanation(
                 Diagnosis("columns", "v", words, "repeats v to 9 digits"), *POSITIONS_ALONE
             )
@@ -199,12 +198,12 @@ def velocity_column(case: FaultySteps) -> Iterator[Explanation]:
     else:
         size = 0.0
     for part, words in ((0.5, "v is half a sample late"), (-0.5, "v is half a sample early")):
-        there = _velocities_beside(case, first, v, part)
-        near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(
-            0.02 * size, case.allowed[0, 1]
-        )
-        if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
-            diagnosis = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
+        beside = _velocities_beside(case, first, v, part)
+        misses = np.abs(beside - s.v[first:])[np.isfinite(beside)]
+        agrees = misses <= max(0.02 * size, case.allowed[0, 1])
+        if len(agrees) and np.mean(agrees) >= 1.0 - EXCEPTIONS:
+            evidence = f"repeats {np.mean(agrees):.0%} of v"
+            diagnosis = Diagnosis("columns", "v", words, evidence, part)
             yield Explanation(diagnosis, *POSITIONS_ALONE)
             return
     if len(case.inside) >= FEWEST_FLIGHTS:
@@ -242,14 +241,14 @@ def _velocities_beside(case: FaultySteps, first: int, v: np.ndarray, part: float
     t = s.t[first:]
     x = s.x[first:]
     time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
+    # Pairs of a sample and a state with v = 0 at the time beside: the defect of the step between
+    # them is the velocity there.
+    begins = np.column_stack([t, x, v])[:-1]
     ends = np.column_stack([time, x[:-1], 0.0 * time])
-    pair_t, pair_x, pair_v = (
-        np.stack([np.column_stack([t, x, v])[:-1], ends], axis=1).reshape(-1, 3).T
-    )
+    pair_t, pair_x, pair_v = np.stack([begins, ends], axis=1).reshape(-1, 3).T
     near = np.repeat(case.near[first:][:-1], 2)
-    speeds = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales).defects[
-        ::2, 1
-    ]
+    followed = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales)
+    speeds = followed.defects[::2, 1]
     if part > 0.0:
         return np.append(np.nan, speeds)
     return np.append(speeds, np.nan)
@@ -261,13 +260,12 @@ def frozen_positions(case: FaultySteps) -> Iterator[Explanation]:
     speeds = (float(case.parameters.v1), float(case.parameters.v2))
 
     def moved(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
-        held = (np.diff(x) == 0.0) & (np.diff(v) == 0.0) & np.isin(v[:-1], speeds)
-        total = np.cumsum(np.append(0.0, np.where(held, v[:-1] * np.diff(t), 0.0)))
-        runs = np.append(
-            False, held
-        )  # each sample of a run is moved by the way since the run began
-        begin = np.maximum.accumulate(np.where(runs, 0, np.arange(len(t))))
-        return t, x + np.where(runs, total - total[begin], 0.0), v
+        """Move each sample of a stick by the way of the belt since the stick began."""
+        is_frozen = (np.diff(x) == 0.0) & (np.diff(v) == 0.0) & np.isin(v[:-1], speeds)
+        way = np.cumsum(np.append(0.0, np.where(is_frozen, v[:-1] * np.diff(t), 0.0)))
+        ends_frozen = np.append(False, is_frozen)  # the samples at which such a step ends
+        begin = np.maximum.accumulate(np.where(ends_frozen, 0, np.arange(len(t))))
+        return t, x + np.where(ends_frozen, way - way[begin], 0.0), v
 
     x = moved(s.t, s.x, s.v)[1]
     still = np.flatnonzero((x != s.x)[1:])
@@ -351,10 +349,10 @@ def single_times(case: FaultySteps) -> Iterator[Explanation]:
     a = force + s.K.f0 * np.cos(s.theta[chosen + 1]) - s.K.w0sq * s.x[chosen + 1] - s.K.cm * v
     slopes = np.column_stack([v, a]) / case.allowed[chosen]
     misses = s.defects[chosen] / case.allowed[chosen]
+    # The shift of each time that leaves least of its defect, by least squares.
     shift = np.sum(slopes * misses, axis=1) / np.sum(slopes * slopes, axis=1)
-    within = np.abs(shift) <= 2.0 * np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(
-        float
-    )
+    single_units = np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(float)
+    within = np.abs(shift) <= 2.0 * single_units
     left = np.max(np.abs(misses - slopes * shift[:, None]), axis=1)
     within &= left <= np.maximum(1.0, 0.2 * case.sizes[chosen])
     largest = float(np.max(np.abs(shift[within]), initial=0.0))

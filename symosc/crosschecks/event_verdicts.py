@@ -157,9 +157,9 @@ class EventVerdicts:
             one_way |= own != {contact for contact in contacts if contact[0] in belts}
         if claims and any(not times for times in lists):
             for belt in {1, 2} - {belt for belt, _ in claims}:
-                there = {contact for contact in contacts if contact[0] == belt}
-                if len(there) > 1 or not one_way:
-                    claims |= there
+                at_belt = {contact for contact in contacts if contact[0] == belt}
+                if len(at_belt) > 1 or not one_way:
+                    claims |= at_belt
         return claims
 
     def _allow_repeats_and_sticks(self) -> None:

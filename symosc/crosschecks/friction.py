@@ -120,7 +120,7 @@ def drift(case: FaultySteps) -> Iterator[Explanation]:
     sticks = _find_sticks(case)
     if sticks is None:
         return
-    steps, which = np.unique(sticks.step, return_inverse=True)
+    steps, numbers = np.unique(sticks.step, return_inverse=True)
     wrong = case.wrong[steps]
 
     def misses(rate: np.ndarray) -> np.ndarray:
@@ -131,9 +131,10 @@ def drift(case: FaultySteps) -> Iterator[Explanation]:
                 for onto in (False, True)
             ]
         )
-        place = np.tile(which, 4)
-        order = np.lexsort((larger(rows), place))
-        return rows[order[np.unique(place[order], return_index=True)[1]]]
+        # Of the four ways of each step the one that misses least counts.
+        step_numbers = np.tile(numbers, 4)
+        order = np.lexsort((larger(rows), step_numbers))
+        return rows[order[np.unique(step_numbers[order], return_index=True)[1]]]
 
     fit = fitted(lambda rate: misses(rate)[wrong], np.zeros(1), np.array([1e-6 * case.scales[1]]))
     if fit is None:
@@ -182,8 +183,8 @@ def _find_sticks(case: FaultySteps) -> StickSteps | None:
             rows.append((i, belt, times[k], s.events.x[part][k], s.belts[belt - 1], end))
     if not rows or not len(wrong):
         return None
-    table = np.array(rows)
-    return StickSteps(table[:, 0].astype(int), table[:, 1].astype(int), *table[:, 2:].T)
+    step, boundary, *others = np.array(rows).T
+    return StickSteps(step.astype(int), boundary.astype(int), *others)
 
 
 def _misses_with_drift(
@@ -209,8 +210,8 @@ def _misses_with_drift(
     push = acceleration(x, speed, np.cos(theta + K.Om * time), A, K.cm, K.w0sq, K.f0)
     slope = -K.w0sq * speed - K.f0 * K.Om * np.sin(theta + K.Om * time)
     shift = np.where(ends & (slope != 0.0), -push / np.where(slope != 0.0, slope, 1.0), 0.0)
-    moved = np.abs(shift) <= 0.1 * (s.t[sticks.step + 1] - s.t[sticks.step])
-    time = np.where(moved, np.clip(time + shift, 0.0, lasts), time)
+    is_small = np.abs(shift) <= 0.1 * (s.t[sticks.step + 1] - s.t[sticks.step])
+    time = np.where(is_small, np.clip(time + shift, 0.0, lasts), time)
     x = sticks.x + sticks.v * time + 0.5 * rate * time**2
     v = sticks.v + rate * time
     begin = speed if onto else v

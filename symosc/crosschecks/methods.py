@@ -99,12 +99,11 @@ def _best_ways(
 
     zero = np.zeros(len(room))
     part, leaves = best_between(misses, zero, zero + 1.0, DELAY_GRID, zero + 0.5, rounds)
-    order = np.lexsort((leaves, ways.step))
+    order = np.lexsort((leaves, ways.step))  # by step, the best way first
     begins = np.unique(ways.step[order], return_index=True)[1]
-    place = (
-        np.arange(len(order)) - begins[np.searchsorted(begins, np.arange(len(order)), "right") - 1]
-    )
-    return order[place < most], part, leaves
+    rows = np.arange(len(order))
+    rank = rows - begins[np.searchsorted(begins, rows, "right") - 1]  # among the ways of its step
+    return order[rank < most], part, leaves
 
 
 def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
@@ -136,16 +135,18 @@ def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
             mode = int(s.events.target[k])
             state = (s.events.t[k], s.events.x[k], s.belts[belt - 1], s.events.theta[k])
         for mode, belt, begin, state in old:
-            ends = (
+            # Each way to go on is the new mode, and the belt whose speed v takes (0: it keeps v).
+            ways_on = (
                 (belt, 0),
                 (belt + 1, 0),
                 (ON_BELT + belt, belt),
                 (belt, belt),
                 (belt + 1, belt),
             )
-            rows += [(i, mode, *end, begin, *state) for end in ends if end != (mode, 0)]
-    table = np.array(rows, dtype=float).reshape(-1, 9).T
-    return Delays(*table[:4].astype(int), *table[4:])
+            rows += [(i, mode, *way_on, begin, *state) for way_on in ways_on if way_on != (mode, 0)]
+    table = np.array(rows, dtype=float).reshape(-1, len(Delays._fields)).T
+    step, source, target, onto = table[:4].astype(int)
+    return Delays(step, source, target, onto, *table[4:])
 
 
 def _delayed_misses(case: FaultySteps, ways: Delays, time: np.ndarray) -> np.ndarray:
@@ -322,12 +323,14 @@ def _mixtures(
         below, above = (s.flight(belt + side, steps, steps + 1) for side in (0, 1))
         gap = below - above
         exact = s.states[steps + 1] + s.defects[steps]
+        # For which part of the step the force below acts: in the samples and in the exact motion,
+        # judged by v.
         part, right = (
             state[:, 1] / gap[:, 1] for state in (s.states[steps + 1] - above, exact - above)
         )
-        way = (s.states[steps + 1] - above)[:, 0] / gap[:, 0]
-        # The force below acts first, or last, or in between.
-        bounded = (way >= part**2 - in_x) & (way <= 2.0 * part - part**2 + in_x)
+        part_of_x = (s.states[steps + 1] - above)[:, 0] / gap[:, 0]
+        # The force below acts last (part^2 of its effect on x), or first, or in between.
+        bounded = (part_of_x >= part**2 - in_x) & (part_of_x <= 2.0 * part - part**2 + in_x)
         bounded &= (part >= -in_v) & (part <= 1.0 + in_v)
         passes = (begin - speed) * (end - speed) < 0.0
         passes |= np.isin(steps, s.events.step[s.events.boundary == belt])
