@@ -220,6 +220,29 @@ GUESSES: tuple[tuple[str, Callable[[WrongStep], str]], ...] = (
 )
 
 
+def _first_guess(step: WrongStep) -> tuple[str, str]:
+    """Return the first of REASONS that fits a step, and how the step shows it."""
+    for reason, in_words in GUESSES:
+        words = in_words(step)
+        if words:
+            return reason, words
+    raise AssertionError("the last guess fits every step")
+
+
+def _flight_misses(
+    steps: ExactSteps, since: np.ndarray, count: int, allowed: np.ndarray
+) -> np.ndarray:
+    """Return how far flights over `count` steps miss the sample at their end, in units of the
+    allowed defect.
+
+    The flights begin at the samples numbered `since`; there is a row for the force of each domain.
+    """
+    until = np.minimum(since + count, len(steps.t) - 1)
+    ends = np.array([steps.flight(domain, since, until) for domain in (1, 2, 3)])
+    gaps = ends - steps.states[until]
+    return np.asarray(np.max(np.abs(gaps / allowed[since]), axis=2))
+
+
 def explain(
     steps: ExactSteps,
     chosen: Sequence[int],
@@ -236,18 +259,13 @@ def explain(
     it. A sample is on a belt if its v differs from the belt's speed by at most `near`.
     """
     since = np.array(chosen, dtype=int)
-    misses = []  # of flights with the force of each domain, to the next sample and to the one after
-    for n in (1, 2):
-        until = np.minimum(since + n, len(steps.t) - 1)
-        ends = np.array([steps.flight(domain, since, until) for domain in (1, 2, 3)])
-        gaps = ends - steps.states[until]
-        misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
-    to_next, over_next = misses
+    to_next = _flight_misses(steps, since, 1, allowed)
+    # Over two steps a flight shows whether the sample between them is the only wrong one.
+    over_next = _flight_misses(steps, since, 2, allowed)
     faults = []
     for k, i in enumerate(chosen):
         step = WrongStep(steps, i, modes, sizes, allowed, near, to_next[:, k], over_next[:, k])
-        guesses = ((reason, in_words(step)) for reason, in_words in GUESSES)
-        reason, words = next(guess for guess in guesses if guess[1])
+        reason, words = _first_guess(step)
         t, t_next = steps.t[i : i + 2].tolist()
         dx, dv = steps.defects[i].tolist()
         expected = MODE_NAMES[step.last]
