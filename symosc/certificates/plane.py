@@ -384,6 +384,7 @@ class BoxEquations:
             return []
         if not bias < swing:
             raise NotInBox("whether the forces turn")
+        # A turn is at most pi/2 away from index pi: three more on each side are surely enough.
         first = int(float(low) / float(arb.pi())) - 3
         last = int(float(high) / float(arb.pi())) + 3
         turns = [(index, self.turn(o, belt, index)) for index in range(first, last)]
@@ -404,20 +405,21 @@ class BoxEquations:
         """
         phase = u[leg.at]
         belt = leg.piece.start
-        found = []
+        sections = []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
             return None
-        times = [arb(0), *((each - phase) / o.Omega for each in turns), u[leg.tau]]
-        for (a, b), (low, high) in zip(
+        times = [arb(0), *((turn - phase) / o.Omega for turn in turns), u[leg.tau]]
+        for (first_phase, last_phase), (low, high) in zip(
             pairwise([phase, *turns, end]), pairwise(times), strict=True
         ):
-            value = self.drift(o, belt, ((a + b) / 2).mid())
+            # The drift has one sign between two turns: its value in the middle shows it.
+            value = self.drift(o, belt, ((first_phase + last_phase) / 2).mid())
             if not abs(value) > 0:
                 return None
-            found.append((-leg.side if value > 0 else leg.side, low, high))
-        return found
+            sections.append((-leg.side if value > 0 else leg.side, low, high))
+        return sections
 
     def plan(self, o: OscillatorInBalls, u: Values) -> Plan:
         """Return how to prove the word for all unknowns in the balls u: turns in each stick, and
@@ -440,64 +442,69 @@ class BoxEquations:
         """Return the points (`Cut`) of a flight at which to show that its gap is > 0; None if it
         needs short steps.
         """
-        found = self.sections(o, leg, u)
+        sections = self.sections(o, leg, u)
         longest = longest_part(o)
-        if found is None:
+        if sections is None:
             return None
         tau = float(u[leg.tau])
         cuts = list[Cut]()
-        spare = 2 * max(float(high.rad()) for _, _, high in found) + tau / 1000
-        for i, (sign, *ends) in enumerate(found):
+        spare = 2 * max(float(high.rad()) for _, _, high in sections) + tau / 1000
+        for i, (sign, *ends) in enumerate(sections):
             low, high = map(float, ends)
             if high - low > MOST_CUTS * longest:  # a stiff spring
                 return None
             if sign < 0:
+                # It suffices that g > 0 at both ends of parts that are short enough.
                 count = int((high - low) / (SHORTER * longest))
                 cuts += [(low + j * (high - low) / (count + 1), 0.0) for j in range(1, count + 1)]
                 continue
+            # Beside the start and the end of the flight g = 0 there already shows that g > 0.
             low += SHORTER * longest * (i == 0)
-            high -= SHORTER * longest * (i + 1 == len(found))
+            high -= SHORTER * longest * (i + 1 == len(sections))
             if low < high:
                 count = ceil(4 * (high - low) / longest)
                 half = (high - low) / count / 2
                 cuts += [(low + (2 * j + 1) * half, 1.05 * half + spare) for j in range(count)]
         if len(cuts) > MOST_CUTS:
             return None
-        return [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
+        return [(round(time / tau * 1024) / 1024, reach) for time, reach in cuts]
 
     def stays(self, o: OscillatorInBalls, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
         """Return whether the gap of a flight back to its belt is > 0 all the time, if it is > 0 at
         the `cuts`.
         """
-        found = self.sections(o, leg, u)
+        sections = self.sections(o, leg, u)
         longest = longest_part(o)
         tau = u[leg.tau]
         left = list(cuts)
-        if found is None:
+        if sections is None:
             return False
-        for i, (sign, low, high) in enumerate(found):
+        for i, (sign, low, high) in enumerate(sections):
             inside = [
                 (tau * share, reach) for share, reach in left if float(tau) * share < float(high)
             ]
             left = left[len(inside) :]
             if sign < 0:
-                spans = [b - a for a, b in pairwise([low, *(mark for mark, _ in inside), high])]
-                if any(reach for _, reach in inside) or not all(
-                    0 < span < longest for span in spans
-                ):
+                times = [low, *(time for time, _ in inside), high]
+                are_short = all(0 < later - time < longest for time, later in pairwise(times))
+                if any(reach for _, reach in inside) or not are_short:
                     return False
                 continue
+            # Up to `known` the gap is > 0: at first for the time in which its start with g = 0
+            # shows that, then to where each cut reaches.
+            known = low
             if i == 0:
                 known = low + longest
-            else:
-                known = low
-            for mark, reach in inside:
-                if not (
-                    low < mark < high and mark - reach < known and 2 * reach < longest and reach > 0
-                ):
+            for time, reach in inside:
+                is_joined = low < time < high and time - reach < known
+                if not (is_joined and 2 * reach < longest and reach > 0):
                     return False
-                known = mark + reach
-            if not known > (high - longest if i + 1 == len(found) else high):
+                known = time + reach
+            # The end with g = 0 shows it for the time before.
+            needed = high
+            if i + 1 == len(sections):
+                needed = high - longest
+            if not known > needed:
                 return False
         return not left
 
@@ -588,12 +595,12 @@ class BoxEquations:
                 belt: (1 if piece.mode > belt else -1, o.speed[belt])
                 for belt in belts_around(piece.mode)
             }
-            if self.beside and piece.mode != 2:  # its mirror image is between both belts
+            if self.beside and piece.mode != 2:
+                # Its mirror image, with -v, is between both belts: it must not meet the other one.
                 if piece.mode == 1:
-                    other = 2
+                    sides[2] = 1, -o.speed[2]
                 else:
-                    other = 1
-                sides[other] = (1 if piece.mode == 1 else -1), -o.speed[other]
+                    sides[1] = -1, -o.speed[1]
             for belt, (side, speed) in sides.items():
                 if (
                     belt == piece.start == piece.end
@@ -601,6 +608,7 @@ class BoxEquations:
                     and self.stays(o, leg, u, cuts)
                 ):
                     continue
+                # How many of g and g' are 0 where the flight starts; `SignedGap.at_start`.
                 if belt != piece.start:
                     zeros = 0
                 elif piece.after_stick:
@@ -659,7 +667,7 @@ def box_arithmetic() -> Iterator[None]:
     """Set the precision for boxes in a with block; if Undecided or a division by 0 occurs in it,
     raise NotInBox.
     """
-    before = ctx.cap
+    before = ctx.cap  # which `Surface.directed` sets
     try:
         with ctx.workprec(BOX_BITS):
             yield
@@ -722,21 +730,32 @@ class Surface:
         return OscillatorInBalls(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
 
     def directed(
-        self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
+        self,
+        direction: tuple[int, int],
+        coefficients: Sequence[arb_mat],
+        count: int,
+        from_whole_box: bool,
     ) -> tuple[OscillatorInBalls, Values]:
-        """Return oscillator and unknowns as power series of `count` terms along the direction `d`
-        in the box.
+        """Return oscillator and unknowns as power series of `count` terms along a direction in the
+        box.
 
-        `rows` has the coefficients of the unknowns. The series begin at the middle or, if `wide`,
-        at all of the box.
+        `coefficients` are those of all unknowns, order by order. The series begin at the middle or,
+        if `from_whole_box`, at all of the box. This also sets flint's own limit for the length of
+        series, which `box_arithmetic` resets.
         """
+        # Series that are made of constants get as many terms as `ctx.cap` says, no series more.
         ctx.cap = count
-        base = zip(self.range if wide else self.middle, self.half, d, strict=True)
-        o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
-        return o, [
-            arb_series(list(each), prec=count)
-            for each in zip(*(row.entries() for row in rows), strict=True)
+        if from_whole_box:
+            begins = self.range
+        else:
+            begins = self.middle
+        parameters = [
+            arb_series([begin, half * component], prec=count)
+            for begin, half, component in zip(begins, self.half, direction, strict=True)
         ]
+        by_order = (vector.entries() for vector in coefficients)
+        unknowns = [arb_series(list(orders), prec=count) for orders in zip(*by_order, strict=True)]
+        return self.oscillator(parameters), unknowns
 
     def near(self, a: float, b: float) -> tuple[float, ...]:
         """Return approximate unknowns at a place (a, b) in the box as floats."""
@@ -762,6 +781,7 @@ class Surface:
         flights = self.flights
         place = arb(0, 1)
         zero = arb(0)
+        # Slopes and bends of the surface cancel the terms of order 1 and 2 of Y f.
         da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
         thin = list[tuple[OscillatorInBalls, Values, list[BoxFlight]]]()
         bends = list[arb_mat]()
@@ -780,14 +800,14 @@ class Surface:
         wide = self.oscillator(self.range)
         surface = self.at(place, place)
         plan = flights.plan(wide, surface.entries())
-        # of each margin the least of its linear part; along which side it changes
+        # The least of the linear part of each margin, and the side along which it changes most.
         low = list[Ball]()
         rises = list[int]()
-        for (what, one, _), (_, other, _) in zip(
-            *(flights.margins(*each, plan) for each in thin[:2]), strict=True
-        ):
-            a, b = (abs(coefficient(each, 1)) for each in (one, other))
-            low.append(coefficient(one, 0) - a - b)
+        along_a, along_b = (flights.margins(*series, plan) for series in thin[:2])
+        for (what, by_a, _), (_, by_b, _) in zip(along_a, along_b, strict=True):
+            a = abs(coefficient(by_a, 1))
+            b = abs(coefficient(by_b, 1))
+            low.append(coefficient(by_a, 0) - a - b)
             rises.append(int(b > a))
             if low[-1] < 0:
                 raise NotInBox(what, rises[-1])
@@ -798,6 +818,8 @@ class Surface:
             r, found = self._coefficients(d, [surface, *self._derivatives(d, place)], 4, True)
             cubes.append(r[3])
             curves.append([coefficient(value, 2) for _, value, _ in flights.margins(*found, plan)])
+        # The coefficients of a^3, a^2 b, a b^2 and b^3 in the cubic form, from its values A, D,
+        # A + B + C + D and A - B + C - D along the four DIRECTIONS.
         A, D = cubes[:2]
         form = A, (cubes[2] - cubes[3]) / 2 - D, (cubes[2] + cubes[3]) / 2 - A, D
         parts = zip(rest, *(each.entries() for each in form), strict=True)
@@ -826,14 +848,23 @@ class Surface:
         flights.prove_flights(wide, whole, plan)
 
     def _coefficients(
-        self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
+        self,
+        direction: tuple[int, int],
+        coefficients: Sequence[arb_mat],
+        count: int,
+        from_whole_box: bool,
     ) -> tuple[list[arb_mat], tuple[OscillatorInBalls, Values, list[BoxFlight]]]:
         """Return coefficients of Y f (f: residuals, Y: nearly J^-1), and series of oscillator,
         unknowns, flights.
+
+        The arguments are those of `directed`.
         """
-        o, u = self.directed(d, rows, count, wide)
-        flown, r = self.flights.residuals(o, u)
-        return [self.Y * column([each[k] for each in r]) for k in range(count)], (o, u, flown)
+        o, u = self.directed(direction, coefficients, count, from_whole_box)
+        flown, residuals = self.flights.residuals(o, u)
+        orders = [
+            self.Y * column([series[order] for series in residuals]) for order in range(count)
+        ]
+        return orders, (o, u, flown)
 
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[arb_mat, arb_mat]:
         """Return first and second Taylor coefficients of the unknowns u(a, b) along `d`, for all a
