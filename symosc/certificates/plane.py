@@ -87,8 +87,10 @@ Cut = tuple[float, float]
 Inequality = tuple[str, Ball, Values]
 
 
-class Plan(NamedTuple):
-    """The turns in the stick after each flight, and the cuts of each flight (None: short steps)."""
+class FlightChecks(NamedTuple):
+    """Where margins of a word are looked at: the turns in the stick after each flight, and the cuts
+    of each flight (None: short steps).
+    """
 
     turns: list[list[int]]
     cuts: list[list[Cut] | None]
@@ -432,7 +434,7 @@ class BoxEquations:
             sections.append((-leg.side if value > 0 else leg.side, low, high))
         return sections
 
-    def plan(self, o: OscillatorInBalls, u: Values) -> Plan:
+    def plan(self, o: OscillatorInBalls, u: Values) -> FlightChecks:
         """Return how to prove the word for all unknowns in the balls u: turns in each stick, and
         cuts of each flight.
 
@@ -447,7 +449,7 @@ class BoxEquations:
             begin = u[leg.at] + o.Omega * u[leg.tau]
             turns.append(self.turns_between(o, leg.piece.end, begin, end) if leg.stick else [])
             cuts.append(self.cuts(o, leg, u) if leg.piece.start == leg.piece.end else None)
-        return Plan(turns, cuts)
+        return FlightChecks(turns, cuts)
 
     def cuts(self, o: OscillatorInBalls, leg: Leg, u: Values) -> list[Cut] | None:
         """Return the points (`Cut`) of a flight at which to show that its gap is > 0; None if it
@@ -524,7 +526,7 @@ class BoxEquations:
         o: OscillatorInBalls,
         u: Values,
         flown: Sequence[BoxFlight],
-        plan: Plan,
+        plan: FlightChecks,
         slopes: Sequence[dict[str, Values]] = (),
     ) -> list[Inequality]:
         """Return the margins, which must be > 0 for the word: each one's text, value, and
@@ -601,7 +603,7 @@ class BoxEquations:
                     add(f"v meets belt {belt} during {piece.label}", ahead, (leg.at, changes))
         return inequalities
 
-    def prove_flights(self, o: OscillatorInBalls, u: Values, plan: Plan) -> None:
+    def prove_flights(self, o: OscillatorInBalls, u: Values, plan: FlightChecks) -> None:
         """Prove that no flight meets a belt before its end, if all margins are > 0.
 
         Raise Undecided if that fails.
