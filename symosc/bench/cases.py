@@ -154,10 +154,15 @@ def _result(outcome: Outcome, limit: float) -> CaseResult:
         return CaseResult(note="chatters")
     if outcome.failure:
         return CaseResult(note="gives up")
-    if not all(isfinite(row[0]) and isfinite(row[1]) for row in outcome.value):
+    if not all(isfinite(event.t) and isfinite(event.x) for event in outcome.value):
         return CaseResult(note="not finite")
-    rows = sorted(outcome.value, key=lambda row: row[:2])
-    return CaseResult([GivenEvent(Fraction(t), Fraction(x), *words) for t, x, *words in rows])
+    events = sorted(outcome.value, key=lambda event: (event.t, event.x))
+    return CaseResult(
+        [
+            GivenEvent(Fraction(event.t), Fraction(event.x), event.kind, event.boundary)
+            for event in events
+        ]
+    )
 
 
 def our_verdict(result: Record) -> str:

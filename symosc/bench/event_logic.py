@@ -35,6 +35,10 @@ from symosc.scenes import Scene
 #: This oscillator never has so many events within one period (of `Problem`).
 CHATTER = 100
 EVENT_KINDS = ("cross", "stick", "slip", "graze")
+#: Their places.
+CROSSES, STICKS, SLIPS, GRAZES = range(4)
+#: Modes up to this one are domains; ON_BELT + 1 and ON_BELT + 2 are sticks, as in the engine.
+ON_BELT = 3
 #: What `leave` returns as the side where the solver gave up; what `follow` returns as its outcome.
 UNSOLVED = 2
 CHATTERS = 1
@@ -138,8 +142,8 @@ def margins(q, mode, t, x, v):
         return v - q.v1, q.v2 - v
     if mode == 3:
         return v - q.v2, inf
-    above = force(q, mode - 2, t, x, v)
-    if mode == 4:
+    above = force(q, mode - ON_BELT + 1, t, x, v)
+    if mode == ON_BELT + 1:
         return above + (q.A1 - q.A2), -above
     return above + (q.A2 - q.A3), -above
 
@@ -149,7 +153,7 @@ def turn(q, mode, t, x, v):
 
     Both margins turn only where it is 0.
     """
-    if mode < 4:
+    if mode <= ON_BELT:
         return force(q, mode, t, x, v)
     return q.swing * q.Omega * sin(q.Omega * t + q.theta) + q.stiffness * v
 
@@ -207,7 +211,7 @@ def resolve(q, boundary, t, x):
         return boundary + 1
     if sign_of_force(q, boundary, t, x, v) < 0:
         return boundary
-    return 3 + boundary
+    return ON_BELT + boundary
 
 
 def start_mode(q, x, v):
@@ -230,7 +234,8 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
 
     It is `fa` at a and `fb` at b.
     """
-    # Chandrupatla's method (1997).
+    # Chandrupatla's method (1997): `a` is the newest time, `b` the other end of the bracket, and
+    # `c` the end before; `part` says where between a and b the next time is.
     c = a
     fc = fa
     part = 0.5
@@ -257,6 +262,7 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
         if smallest > 0.5 or least == 0.0:
             return best
         part = 0.5
+        # Inverse quadratic interpolation where it is safe, else bisection.
         xi = (a - b) / (c - b)
         phi = (fa - fb) / (fc - fb)
         if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
@@ -280,7 +286,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     rows = np.empty((64, 4))
     count = 0
     while t < t_end:
-        if boundary > 0 and mode < 4:
+        if boundary > 0 and mode <= ON_BELT:
             if mode > boundary:
                 v += offset
             else:
@@ -292,11 +298,10 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
             break
         if side == UNSOLVED:
             return rows, count, GAVE_UP, mode
-        # a place in EVENT_KINDS
         source = mode
-        kind = 2
-        if source > 3:
-            boundary = source - 3
+        kind = SLIPS
+        if source > ON_BELT:
+            boundary = source - ON_BELT
             if side > 0:
                 mode = boundary + 1
             else:
@@ -307,12 +312,12 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
             else:
                 boundary = source - 1
             mode = resolve(here, boundary, tau, x)
-            if mode > 3:
-                kind = 1
+            if mode > ON_BELT:
+                kind = STICKS
             elif mode == source:
-                kind = 3
+                kind = GRAZES
             else:
-                kind = 0
+                kind = CROSSES
         if boundary == 1:
             v = q.v1
         else:

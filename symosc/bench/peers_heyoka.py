@@ -23,6 +23,7 @@ import numpy as np
 
 from symosc.bench.event_logic import (
     CHATTER,
+    ON_BELT,
     ONE_STEP_OFFSET,
     PeerError,
     PeerProblem,
@@ -43,7 +44,9 @@ def tables(q: PeerProblem) -> tuple[dict[Any, Any], ...]:
     belts = {1: q.v1, 2: q.v2}
     parameters = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -q.v1, 1.0, 0.0, -q.v2]) for alpha in A}
     for boundary, (below, above) in NEIGHBOURS.items():
-        parameters[3 + boundary] = np.array([0.0, 0.0, 0.0, 1.0, A[below], 0.0, 1.0, A[above]])
+        parameters[ON_BELT + boundary] = np.array(
+            [0.0, 0.0, 0.0, 1.0, A[below], 0.0, 1.0, A[above]]
+        )
     offset = ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
     starts = {(boundary, boundary): v - offset for boundary, v in belts.items()}
     starts |= {(boundary, boundary + 1): v + offset for boundary, v in belts.items()}
@@ -74,8 +77,8 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
     stiffness = q.stiffness
     damping = q.damping
     t0 = float(scene.t0)
-    # What the callbacks work on: mode, event list, and views of state and parameters, made once per
-    # run.
+    # What the callbacks work on, set by `run`: the mode, `append` of the list of events, and views
+    # of the integrator's state (`item` reads a number of it) and parameters.
     now: int
     append: Any
     item: Any
@@ -86,25 +89,27 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
         """Return the callback of event 1 or 2: in a flight, contact with belt 1 or 2; in a stick, a
         slip down or up.
         """
+        # What does not change from call to call is looked up here, once.
         belt = belts[event]
         drag = damping * belt
         A_below = A[event]
         A_above = A[event + 1]
         v_below = starts[event, event]
         v_above = starts[event, event + 1]
-        stick = pars[3 + event]
+        stick = pars[ON_BELT + event]
 
         def act(integrator: Any, sign: int) -> bool:
             nonlocal now
             x = item(0)
             source = now
-            if source > 3:
-                boundary = source - 3
-                now = boundary + event - 1
+            if source > ON_BELT:
+                boundary = source - ON_BELT
+                now = boundary + event - 1  # the domain below the belt (event 1), or above (2)
                 state[1] = starts[boundary, now]
                 p_now[:] = pars[now]
                 append((t0 + integrator.time, x, "slip", boundary))
                 return True
+            # The acceleration without friction. With that on either side it says what follows.
             a = item(2) - stiffness * x - drag
             if a + A_above > 0.0:
                 now = event + 1
@@ -115,10 +120,10 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
                 state[1] = v_below
                 p_now[1] = A_below
             else:
-                now = 3 + event
+                now = ON_BELT + event
                 state[1] = belt
                 p_now[:] = stick
-            if now > 3:
+            if now > ON_BELT:
                 kind = "stick"
             elif now == source:
                 kind = "graze"
@@ -137,7 +142,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
     x0 = float(scene.x0)
     v0 = float(scene.v0)
     mode, boundary = start_mode(q, x0, v0)
-    if boundary and mode < 4:
+    if boundary and mode <= ON_BELT:
         v = starts[boundary, mode]
     else:
         v = v0
@@ -196,13 +201,13 @@ def count_many(
         A_above = A[event + 1]
         v_below = v_starts[event, event]
         v_above = v_starts[event, event + 1]
-        stick = pars[3 + event]
+        stick = pars[ON_BELT + event]
 
         def act(_: Any, sign: int, i: int) -> bool:
             counts[i] += 1
             source = now[i]
-            if source > 3:
-                boundary = source - 3
+            if source > ON_BELT:
+                boundary = source - ON_BELT
                 mode = boundary + event - 1
                 now[i] = mode
                 v_now[i] = v_starts[boundary, mode]
@@ -218,7 +223,7 @@ def count_many(
                 v_now[i] = v_below
                 force_now[i] = A_below
             else:
-                now[i] = 3 + event
+                now[i] = ON_BELT + event
                 v_now[i] = belt
                 parameters[i][:] = stick
             return True

@@ -19,6 +19,7 @@ import numpy as np
 from symosc.base.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import (
+    ON_BELT,
     UNSOLVED,
     PeerError,
     PeerProblem,
@@ -102,7 +103,7 @@ def piece_from(q, s, mode, t, x, v):
     """Return a flight or stick from a start, with the constants of the homogeneous solution that
     fit this start.
     """
-    if mode > 3:
+    if mode > ON_BELT:
         return ScanPiece(s, t, x, v, 0.0, 0.0, 0.0)
     force = q.A2
     if mode == 1:
@@ -123,7 +124,7 @@ def piece_from(q, s, mode, t, x, v):
 
 def state_at(q, mode, piece, tau):
     """Return position and velocity at the time tau after a piece began."""
-    if mode > 3:
+    if mode > ON_BELT:
         return piece.x + piece.v * tau, piece.v
     s = piece.s
     R = piece.R

@@ -27,6 +27,7 @@ from scipy.integrate import solve_ivp
 from symosc.base.aliases import Record
 from symosc.bench.event_logic import (
     ATOL,
+    ON_BELT,
     STEPS_PER_PERIOD,
     PeerError,
     PeerProblem,
@@ -60,7 +61,7 @@ def _functions(
     """Return a mode's right-hand side, its event functions (a margin for each exit, and `turn`),
     and its Jacobian.
     """
-    flies = mode < 4
+    flies = mode <= ON_BELT
 
     def rate(t: float, y: State) -> tuple[float, float]:
         if flies:

@@ -284,7 +284,8 @@ def in_parallel(
             for key, *call in chunk:
                 if stop.is_set():
                     break
-                worker.warm("", *chunk[0][1:])
+                _, *first_call = chunk[0]
+                worker.warm("", *first_call)
                 with turn:
                     next(steps, None)
                 done[key] = worker.call(limit, *call)

@@ -450,9 +450,8 @@ def _measured(group: Group, repeats: int, progress: Progress) -> Record:
     """Measure the calls of a group in turns, after a first call of each."""
     calls = list(group.calls)
     clock = group.clock
-    # number of units of each call, and seconds of one
-    units = list[float]()
-    lengths = list[float]()
+    units = list[float]()  # how many each call has
+    lengths = list[float]()  # seconds of each call
     for call in calls:
         begin = clock()
         result = call.action()
@@ -470,7 +469,7 @@ def _measured(group: Group, repeats: int, progress: Progress) -> Record:
         for call, length, unit, of_call in zip(calls, lengths, units, times, strict=True):
             if call.once:
                 of_call.append(length / unit)
-            elif not turn or length <= LONG:
+            elif turn == 0 or length <= LONG:
                 count = min(20, 1 + int(SHORT / length))
                 of_call.append(min(_seconds(call.action, clock) for _ in range(count)) / unit)
     rows = []

@@ -117,10 +117,10 @@ def measure(
     follow = solver.prepare(scene, tolerance)
     prepared = time.perf_counter()
     events = follow()
-    times = [prepared - begin, time.perf_counter() - prepared]
-    if times[1] > LONG_CALL_PART * limit:
+    first_call = time.perf_counter() - prepared
+    if first_call > LONG_CALL_PART * limit:
         least = 0
-    elif times[1] > SHORT_CALL:
+    elif first_call > SHORT_CALL:
         least = 1
     else:
         least = LEAST_REPEATS
@@ -128,11 +128,13 @@ def measure(
         floors = []
     else:
         floors = [floor_s()]
-    while len(floors) < least or (least and sum(times[2:]) < budget and len(floors) < MOST_REPEATS):
+    repeats = list[float]()
+    while len(repeats) < least or (least and sum(repeats) < budget and len(repeats) < MOST_REPEATS):
         again = time.perf_counter()
         events = follow()
-        times.append(time.perf_counter() - again)
+        repeats.append(time.perf_counter() - again)
         floors.append(floor_s())
+    times = [prepared - begin, first_call, *repeats]
     return times, floors, [event for event in events if not event.t > until]
 
 

@@ -120,9 +120,8 @@ class BoxTask(NamedTuple):
     box: Rectangle
     near: tuple[Candidate, ...] = ()  # orbits that it may have, that of the nearest rectangle first
     divide: int = 0  # how many times it is halved before a proof is tried, as it is much too large
-    above: Place | None = (
-        None  # the middle of a rectangle around it or beside it, and the word there
-    )
+    # The middle of a rectangle around it or beside it, and the word there.
+    above: Place | None = None
 
 
 def area(box: Rectangle) -> Fraction:
@@ -190,17 +189,21 @@ class ParameterPlane(NamedTuple):
         """
         ends = by_name(self.p, lambda value: (value, value))
         ends.update(zip(self.names, box, strict=True))
-        low, high = sorted(map(abs, ends["B0"]))
-        if ends["B0"][0] < 0 < ends["B0"][1]:
-            low = Fraction(0)
+        # The mass rests on a belt at rest whose friction, between mu FN at both ends, holds |B0|.
+        least_push, most_push = sorted(map(abs, ends["B0"]))
+        low_B0, high_B0 = ends["B0"]
+        if low_B0 < 0 < high_B0:
+            least_push = Fraction(0)
         still = [belt for belt in "12" if ends["v" + belt] == (0, 0)]
         holds = [
             [mu * FN for mu, FN in zip(ends["mu" + belt], ends["FN"], strict=True)]
             for belt in still
         ]
-        return any(least >= high for least, _ in holds) or (
-            None if any(most > low for _, most in holds) else False
-        )
+        if any(least_hold >= most_push for least_hold, _ in holds):
+            return True
+        if any(most_hold > least_push for _, most_hold in holds):
+            return None
+        return False
 
     def cut_at_rest(self) -> list[Rectangle]:
         """Cut the plane along those borders of the region of rest that are parallel to an axis.
@@ -211,18 +214,19 @@ class ParameterPlane(NamedTuple):
         p = self.p
         for belt in "12":
             mu = getattr(p, "mu" + belt)
-            at = {
+            # Where mu FN = |B0| if only this one of them varies in the plane.
+            borders = {
                 "B0": mu * p.FN,
                 "FN": abs(p.B0) / mu if mu else 0,
                 "mu" + belt: abs(p.B0) / p.FN if p.FN else 0,
             }
-            free = [name for name in at if name in self.names]
+            free = [name for name in borders if name in self.names]
             if f"v{belt}" in self.names or p.belt(int(belt)) != 0 or len(free) != 1:
                 continue
             along = self.names.index(free[0])
-            value = Fraction(at[free[0]])
-            for each in (value, -value):
-                parts = [piece for part in parts for piece in divided(part, along, each)]
+            border = Fraction(borders[free[0]])
+            for value in (border, -border):  # B0 may be negative
+                parts = [piece for part in parts for piece in divided(part, along, value)]
         return parts
 
     def word(self, point: Sequence[Any]) -> str:
@@ -248,7 +252,8 @@ class ParameterPlane(NamedTuple):
         points = [(x, y) for x in axes[0] for y in axes[1]]
         words = {(x, y): REST for x, y in points if self.rests(((x, x), (y, y)))}
         moving = [point for point in points if point not in words]
-        if moving:  # one run of all of them finds most words; the others are looked for one by one
+        if moving:
+            # One run of all of them finds most words; the others are looked for one by one.
             numbers: Record = by_name(self.p, float)
             numbers |= dict(zip(self.names, np.array(moving, dtype=float).T, strict=True))
             columns = ("word", "multiplicity", "status")
@@ -262,10 +267,10 @@ class ParameterPlane(NamedTuple):
                     words[point] = canonical(read_word(str(word)).labels)
         left = [point for point in points if point not in words]
         if pool is None:
-            found: Iterator[str] = map(self.word, left)
+            words_left: Iterator[str] = map(self.word, left)
         else:
-            found = pool.map(self.word, left, chunksize=CHUNK)
-        words.update(zip(left, found, strict=True))
+            words_left = pool.map(self.word, left, chunksize=CHUNK)
+        words.update(zip(left, words_left, strict=True))
         return tuple((float(x), float(y), words[x, y]) for x, y in points)
 
     # -- borders -----------------------------------------------------------------------------------
@@ -277,48 +282,53 @@ class ParameterPlane(NamedTuple):
 
         Return them and the `known` borders.
         """
-        found = list(known)
+        borders = list(known)
         failed = Counter[frozenset[str]]()
-        looked = len(known)
+        looked = len(known)  # how many borders have had their sides looked at
         waiting = deque(pairs)
         while waiting:
             a, b = waiting.popleft()
-            words = frozenset((a[2], b[2]))
-            if len(words) < 2 or failed[words] >= MOST_FAILED or border_known(found, a, b):
+            x_a, y_a, word_a = a
+            x_b, y_b, word_b = b
+            words = frozenset((word_a, word_b))
+            if len(words) < 2 or failed[words] >= MOST_FAILED or border_known(borders, a, b):
                 continue
-            ends = [self.at(place[:2]) for place in (a, b)]
+            at_a = self.at((x_a, y_a))
+            at_b = self.at((x_b, y_b))
             limits = dict(zip(self.names, self.range, strict=True))
             try:
-                for border in borders_between(
-                    ends[0], ends[1], self.names, limits, step=BORDER_STEP
-                ):
-                    if not _is_among(border, found):
-                        found += [
-                            each
-                            for each in border.network(step=BORDER_STEP)
-                            if not _is_among(each, found)
+                for border in borders_between(at_a, at_b, self.names, limits, step=BORDER_STEP):
+                    if not _is_among(border, borders):
+                        # The border itself and those that begin at its special points.
+                        borders += [
+                            member
+                            for member in border.network(step=BORDER_STEP)
+                            if not _is_among(member, borders)
                         ]
             except (BorderError, ConvergenceError):
                 pass
-            failed[words] += not border_known(found, a, b)
-            waiting += [pair for border in found[looked:] for pair in self.beyond(border)]
-            looked = len(found)
-        return found
+            failed[words] += not border_known(borders, a, b)
+            waiting += [pair for border in borders[looked:] for pair in self.beyond(border)]
+            looked = len(borders)
+        return borders
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
         """Yield for each side of a border a place beside it and one at the edge: `borders` searches
         between them.
         """
-        middle, way = self.across(border.points)
-        for step in (way, -way):
+        middle, across = self.across(border.points)
+        for step in (across, -across):
+            # How many steps lead to the edge of the plane.
             sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
             reach = min(
-                ((high if by > 0 else low) - value) / by for (low, high), value, by in sides if by
+                ((high if change > 0 else low) - value) / change
+                for (low, high), value, change in sides
+                if change
             )
             if reach > 2 * BESIDE:
                 ends = [(middle + part * step).tolist() for part in (BESIDE, reach * (1 - EDGE))]
-                a, b = ((x, y, self.word((x, y))) for x, y in ends)
-                yield a, b
+                beside, at_edge = ((x, y, self.word((x, y))) for x, y in ends)
+                yield beside, at_edge
 
     def across(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the middle one of a border's `points` and a vector across the border, in units of
@@ -343,11 +353,10 @@ class ParameterPlane(NamedTuple):
             return None
         if not orbit.admissible or orbit.periods != 1:
             return None
-        Omega, labels, wanted = (
-            float(middle.Omega),
-            orbit.labels,
-            flight_first(canonical(orbit.labels)),
-        )
+        # One rotation for all orbits of a word: that of its canonical text.
+        Omega = float(middle.Omega)
+        labels = orbit.labels
+        wanted = flight_first(canonical(labels))
         first = next(i for i in range(len(labels)) if labels[i:] + labels[:i] == wanted)
         points = [(t * Omega, x) for t, x in orbit.points[first:] + orbit.points[:first]]
         return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
@@ -363,14 +372,15 @@ class ParameterPlane(NamedTuple):
         from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
 
         box = task.box
-        found = list(task.near)
+        known = list(task.near)
         surface = None
         labels = tuple[str, ...]()
 
         def candidates() -> Iterator[Candidate]:
+            """Yield the known orbits; the search for one at the middle is dear, so it comes last."""
             yield from task.near
             if (candidate := self.orbit_near(box)) is not None:
-                found.insert(0, candidate)
+                known.insert(0, candidate)
                 yield candidate
 
         for labels, unknowns in candidates():
@@ -383,14 +393,8 @@ class ParameterPlane(NamedTuple):
             except NotInBox:
                 continue
         if surface is None:
-            return (
-                "",
-                None,
-                [
-                    BoxTask(part, tuple(found[:MOST_NEAR]))
-                    for part in divided(box, _longer_side(box))
-                ],
-            )
+            halves = divided(box, _longer_side(box))
+            return "", None, [BoxTask(half, tuple(known[:MOST_NEAR])) for half in halves]
         word = canonical(labels)
         along = None
         divide = task.divide - 1
@@ -407,12 +411,19 @@ class ParameterPlane(NamedTuple):
                 divide = 3
         if along is None:
             along = _longer_side(box)
-        others = [(labels, surface.near(0, 0)), *(each for each in found if each[0] != labels)][
-            :MOST_NEAR
+        # The likely orbits of both halves: at their own middles, at that of the box, of other words.
+        of_other_words = [candidate for candidate in known if candidate[0] != labels]
+        others = [(labels, surface.near(0, 0)), *of_other_words][:MOST_NEAR]
+        if along == 0:
+            middles = ((-0.5, 0.0), (0.5, 0.0))
+        else:
+            middles = ((0.0, -0.5), (0.0, 0.5))
+        near = [(labels, surface.near(a, b)) for a, b in middles]
+        parts = [
+            BoxTask(half, (own, *others), divide)
+            for half, own in zip(divided(box, along), near, strict=True)
         ]
-        near = [(labels, surface.near(*((by, 0) if along == 0 else (0, by)))) for by in (-0.5, 0.5)]
-        parts = zip(divided(box, along), near, strict=True)
-        return word, None, [BoxTask(part, (each, *others), divide) for part, each in parts]
+        return word, None, parts
 
 
 @lru_cache(maxsize=256)
@@ -430,40 +441,42 @@ def _longer_side(box: Rectangle) -> int:
     return int(sizes[1] > sizes[0])
 
 
-def border_known(found: Sequence[Border], a: Place, b: Place) -> bool:
-    """Return whether the border between places `a` and `b` is known: the `found` ones there have
+def border_known(borders: Sequence[Border], a: Place, b: Place) -> bool:
+    """Return whether the border between places `a` and `b` is known: `borders` between them have
     both words.
     """
-    words = {
-        word or "" for each in found if crosses(each.points, a[:2], b[:2]) for word in each.words
-    }
-    return {a[2], b[2]} <= words
+    *point_a, word_a = a
+    *point_b, word_b = b
+    between = (border for border in borders if crosses(border.points, point_a, point_b))
+    words = {word or "" for border in between for word in border.words}
+    return {word_a, word_b} <= words
 
 
-def _is_among(border: Border, found: Sequence[Border]) -> bool:
-    """Return whether one of the `found` borders has the words of `border` and passes through its
-    middle point.
+def _is_among(border: Border, borders: Sequence[Border]) -> bool:
+    """Return whether one of `borders` has the words of `border` and passes through its middle
+    point.
     """
-    return any(passes(each, border.points[len(border) // 2], border.words) for each in found)
+    middle = border.points[len(border) // 2]
+    return any(passes(known, middle, border.words) for known in borders)
 
 
 def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
     """Return whether the polygonal line through `points` crosses the segment from `a` to `b`."""
 
-    def sides(of: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    def sides(point: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Return on which side of the line from `start` to `end` each point lies, 1, -1 or 0."""
         along = end - start
-        to = of - start
+        to = point - start
         return np.sign(along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0])
 
     a = np.asarray(a)
     b = np.asarray(b)
     low = points[:-1]
     high = points[1:]
-    return bool(
-        (
-            (sides(low, a, b) != sides(high, a, b)) & (sides(a, low, high) != sides(b, low, high))
-        ).any()
-    )
+    # Two segments cross if each has its ends on both sides of the other one.
+    parted_by_segment = sides(low, a, b) != sides(high, a, b)
+    parted_by_line = sides(a, low, high) != sides(b, low, high)
+    return bool((parted_by_segment & parted_by_line).any())
 
 
 def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
@@ -471,13 +484,13 @@ def neighbours(grid: Sequence[Place]) -> list[tuple[Place, Place]]:
     grid.
     """
     side = GRID + 2
-    ends = (
-        (i, j)
-        for i in range(len(grid))
-        for j in (i + 1, i + side)
-        if j < len(grid) and (j != i + 1 or j % side)
-    )
-    return [(grid[i], grid[j]) for i, j in ends]
+    pairs = []
+    for i, place in enumerate(grid):
+        if i + 1 < len(grid) and (i + 1) % side:  # else it is the last of its row
+            pairs.append((place, grid[i + 1]))
+        if i + side < len(grid):
+            pairs.append((place, grid[i + side]))
+    return pairs
 
 
 class Cover:
@@ -491,6 +504,7 @@ class Cover:
         self.area = Fraction(0)
         self.proven = list[ProvenBox]()
         self.small = list[Rectangle]()
+        #: Minus the area, so that the largest comes first; a number, so that no tasks are compared.
         self.heap = list[tuple[float, int, BoxTask]]()
         #: Places near to each other with different words.
         self.changes = list[tuple[Place, Place]]()
@@ -536,11 +550,15 @@ class Cover:
             for task, (word, box, parts) in zip(tasks, results, strict=True):
                 place = (*middle_of(task.box), word)
                 above = task.above
-                if above and word not in ("", above[2]):
-                    self.changes.append((above, place))
+                if above:
+                    *_, word_above = above
+                    if word not in ("", word_above):
+                        self.changes.append((above, place))
                 if box:
                     self.prove(box)
-                self.add(*(part._replace(above=place if word else above) for part in parts))
+                if word:
+                    above = place
+                self.add(*(part._replace(above=above) for part in parts))
             report(min(float(self.area), float(share)), float(share))
 
     def take_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
@@ -548,24 +566,23 @@ class Cover:
         `left` to prove.
         """
         self.prove(*boxes)
-        orbits = [each for each in boxes if each.points]
+        orbits = [proven for proven in boxes if proven.points]
         plane = self.plane
         sizes = np.array([float(high - low) for low, high in plane.range])
-        middles = np.array([middle_of(each.range) for each in orbits]).reshape(-1, 2) / sizes
+        middles = np.array([middle_of(proven.range) for proven in orbits]).reshape(-1, 2) / sizes
         for box in left:
             place = np.array(middle_of(box)) / sizes
             near = dict[tuple[str, ...], Candidate]()
             nearest = np.argsort(((middles - place) ** 2).sum(axis=1), kind="stable")
-            for each in (orbits[i] for i in nearest[:MOST_NEAR]):
-                labels = flight_first(each.word)
-                Omega = float(plane.at([(a + b) / 2 for a, b in each.range]).Omega)
-                unknowns = _flights(labels, plane.p, plane.names).unknowns(Omega, each.points)
+            for proven in (orbits[i] for i in nearest[:MOST_NEAR]):
+                labels = flight_first(proven.word)
+                Omega = float(plane.at([(a + b) / 2 for a, b in proven.range]).Omega)
+                unknowns = _flights(labels, plane.p, plane.names).unknowns(Omega, proven.points)
                 near.setdefault(labels, (labels, tuple(unknowns)))
-            first = [orbits[i] for i in nearest[:1]]
-            if first:
-                above = (*middle_of(first[0].range), first[0].word)
-            else:
-                above = None
+            above = None
+            if len(nearest):
+                proven = orbits[nearest[0]]
+                above = (*middle_of(proven.range), proven.word)
             self.add(BoxTask(box, tuple(near.values()), above=above))
 
 
@@ -634,33 +651,36 @@ class Atlas(Drawable):
         for box in self.boxes:
             proven[box.word] += float(area(box.range) / whole)
         (left_end, right), (bottom, top) = self.range
-        looked = [
-            each for each in self.grid if left_end < each[0] < right and bottom < each[1] < top
+        # Places on the edge stand for no area.
+        inside = [
+            (x, y, word) for x, y, word in self.grid if left_end < x < right and bottom < y < top
         ]
-        outside = [word for x, y, word in looked if not self._around(x, y).size]
-        seen = Counter(outside or [word for *_, word in looked])
-        words = set(proven) | {word for *_, word in looked}
-        words |= {word for each in self.borders for word in each.words if word}
+        # What is not proven is divided like the places of the grid in which nothing is proven.
+        unproven = [word for x, y, word in inside if not self._around(x, y).size]
+        seen = Counter(unproven or [word for *_, word in inside])
+        words = set(proven) | {word for *_, word in inside}
+        words |= {word for border in self.borders for word in border.words if word}
         left = max(0.0, 1 - sum(proven.values()))
-        found = [
+        regions = [
             Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word])
             for word in words
         ]
-        return tuple(sorted(found, key=lambda each: (-each.share, each.word)))
+        return tuple(sorted(regions, key=lambda region: (-region.share, region.word)))
 
     @property
     def special(self) -> tuple[Any, ...]:
         """The special points of all borders (`SpecialPoint`), folds and points of codimension two,
         each once.
         """
-        found = dict[tuple[Any, ...], Any]()
-        size = [float(high - low) for low, high in self.range]
-        for each in (point for border in self.borders for point in border.special):
-            found.setdefault(
-                (each.kind, *(round(v / s, 6) for v, s in zip(each.values, size, strict=True))),
-                each,
+        # Borders that meet have the same point, up to rounding.
+        points = dict[tuple[Any, ...], Any]()
+        sizes = [float(high - low) for low, high in self.range]
+        for point in (point for border in self.borders for point in border.special):
+            place = (
+                round(value / size, 6) for value, size in zip(point.values, sizes, strict=True)
             )
-        return tuple(found.values())
+            points.setdefault((point.kind, *place), point)
+        return tuple(points.values())
 
     @public
     def word_at(self, **values: NumberLike) -> str:
@@ -758,7 +778,7 @@ class Atlas(Drawable):
         write_text(path, text.replace('{"word"', '\n{"word"') + "\n")
 
     def __repr__(self) -> str:
-        words = len([each for each in self.regions if each.word])
+        words = len([region for region in self.regions if region.word])
         borders = len(self.borders)
         about = f"{words} word{'s' * (words != 1)}, {borders} border{'s' * (borders != 1)}"
         return (
@@ -923,16 +943,16 @@ def _read_file(
             boxes.append(ProvenBox(row["word"], box(row["range"]), tuple(points)))
         low, high = np.array(plane.range, dtype=float).T
         for row in data["found"]["borders"]:
-            middle, way = plane.across(np.array(row["points"], dtype=float))
-            ends = zip((-BESIDE, BESIDE), row["words"], strict=True)
+            middle, across = plane.across(np.array(row["points"], dtype=float))
+            sides = zip((-BESIDE, BESIDE), row["words"], strict=True)
             pairs.append(
                 tuple(
-                    (*np.clip(middle + by * way, low, high).tolist(), word or "")
-                    for by, word in ends
+                    (*np.clip(middle + part * across, low, high).tolist(), word or "")
+                    for part, word in sides
                 )
             )
         grid = tuple((float(x), float(y), str(word)) for x, y, word in data["found"]["grid"])
-        return plane, boxes, [box(each) for each in data["open"]], grid, pairs
+        return plane, boxes, [box(sides) for sides in data["open"]], grid, pairs
     except (OSError, ValueError, LookupError, TypeError) as error:
         reason = f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})"
         raise ParameterError("path", path, reason) from None

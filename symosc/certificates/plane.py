@@ -59,6 +59,7 @@ from symosc.certificates.balls import (
     prove_positive,
     unit_matrix,
 )
+from symosc.friction import TWO_BELTS
 from symosc.model import Parameters, by_name
 from symosc.orbits.closing_equations import OrbitPiece, pieces_of
 from symosc.words import Word
@@ -81,11 +82,18 @@ Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
 #: A cut: a share of a flight after which the gap is > 0, and for how long before and after the free
 #: motion's is too.
 Cut = tuple[float, float]
-#: The turns in the stick after each flight, and the cuts of each flight (None: short steps).
-Plan = tuple[list[list[int]], list[list[Cut] | None]]
 #: A quantity that must be positive: what it is, its value, and its derivatives with respect to the
 #: unknowns.
 Inequality = tuple[str, Ball, Values]
+
+
+class FlightChecks(NamedTuple):
+    """Where margins of a word are looked at: the turns in the stick after each flight, and the cuts
+    of each flight (None: short steps).
+    """
+
+    turns: list[list[int]]
+    cuts: list[list[Cut] | None]
 
 
 class NotInBox(Exception):
@@ -125,13 +133,13 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
     """
     # It is symmetric if the belts are alike with opposite speeds, or if one has no friction and the
     # other no speed.
+    stick = TWO_BELTS.stick_mode
     if not {"v1", "v2", "mu1", "mu2"} & set(names) and p.v1 == -p.v2 and p.mu1 == p.mu2:
-        return {1: 3, 2: 2, 3: 1, 4: 5, 5: 4}
+        return {1: 3, 2: 2, 3: 1, stick(1): stick(2), stick(2): stick(1)}
     for belt, other in ((1, 2), (2, 1)):
-        if not {f"v{belt}", f"mu{other}"} & set(names) and p.belt(belt) == 0 == getattr(
-            p, f"mu{other}"
-        ):
-            return {belt: belt + 1, belt + 1: belt, 3 + belt: 3 + belt}
+        are_fixed = not {f"v{belt}", f"mu{other}"} & set(names)
+        if are_fixed and p.belt(belt) == 0 == getattr(p, f"mu{other}"):
+            return {belt: belt + 1, belt + 1: belt, stick(belt): stick(belt)}
     return {}
 
 
@@ -157,13 +165,12 @@ class BoxFlight:
             free = (root * complexed(tau)).exp()
             rate = times_i(o.Omega) - root
             z = rate * complexed(tau)
-            near = float(abs(z[0] if isinstance(z, acb_series) else z).upper()) < NEAR
-            # (exp(z) - 1)/z = exp(z/2) sinh(z/2)/(z/2)
-            if near:
+            middle = z[0] if isinstance(z, acb_series) else z
+            # X and Y are the integrals of the docstring for both roots, Z and Z1 the responses of v
+            # and of its derivative, for a drive that begins with the phase 0.
+            if float(abs(middle).upper()) < NEAR:
+                # (exp(z) - 1)/z = exp(z/2) sinh(z/2)/(z/2)
                 slope = (z / 2).exp() * entire_0f1(acb(1.5), z * z / 16)
-            else:
-                slope = None
-            if near:
                 X = free * complexed(tau) * slope
             else:
                 X = (turned - free) / rate
@@ -231,42 +238,44 @@ class BoxEquations:
         self.count = 0
         for piece, after in zip(used, [*used[1:], None], strict=True):
             if not piece.sticks:
+                # The unknowns of a flight: its phase, its x unless it follows a stick, its duration.
                 tau = self.count + 2 - piece.after_stick
-                self.legs.append(
-                    Leg(piece, self.count, tau, after if after and after.sticks else None)
-                )
+                stick = after if after and after.sticks else None
+                self.legs.append(Leg(piece, self.count, tau, stick))
                 self.count = tau + 1
 
     def unknowns(self, Omega: float, points: Sequence[tuple[float, float]]) -> list[float]:
         """Return the unknowns of an orbit from its switching points (phase, x), one for each label
         of the word.
         """
-        times = [phase for phase, _ in points]
-        found = list[float]()
+        # Phases that never decrease, that of the first point again at the end.
+        starts, positions = zip(*points, strict=True)
+        first = starts[0]
         period = 2 * float(arb.pi())
-        times = [*(each + period * (each < times[0]) for each in times), times[0] + period]
+        phases = [*(phase + period * (phase < first) for phase in starts), first + period]
         flights = [i for i, piece in enumerate(self.pieces) if not piece.sticks][: len(self.legs)]
+        unknowns = list[float]()
         for i, leg in zip(flights, self.legs, strict=True):
-            found += [
-                times[i],
-                *([] if leg.piece.after_stick else [points[i][1]]),
-                (times[i + 1] - times[i]) / Omega,
-            ]
-        return found
+            unknowns.append(phases[i])
+            if not leg.piece.after_stick:
+                unknowns.append(positions[i])
+            unknowns.append((phases[i + 1] - phases[i]) / Omega)
+        return unknowns
 
     def points(self, o: OscillatorInBalls, u: Values) -> list[tuple[float, float]]:
         """Return phase and position of the switching point at which each label begins, from the
         unknowns `u`.
         """
-        found = list[tuple[float, float]]()
-        for leg, there in zip(self.legs, self.flown(o, u), strict=True):
-            found.append((float(u[leg.at]), float(there.x0)))
+        points = list[tuple[float, float]]()
+        for leg, flight in zip(self.legs, self.flown(o, u), strict=True):
+            points.append((float(u[leg.at]), float(flight.x0)))
             if leg.stick:
-                found.append((float(u[leg.at] + o.Omega * u[leg.tau]), float(there.x)))
+                points.append((float(u[leg.at] + o.Omega * u[leg.tau]), float(flight.x)))
         if self.mirrored:
-            twice = float((o.A[1] + o.A[3]) / o.k)
-            found += [(phase + float(arb.pi()), twice - x) for phase, x in found]
-        return found
+            # The image of x is 2 A0/k - x, half a period later; A1 + A3 = 2 A0.
+            twice_centre = float((o.A[1] + o.A[3]) / o.k)
+            points += [(phase + float(arb.pi()), twice_centre - x) for phase, x in points]
+        return points
 
     def flown(self, o: OscillatorInBalls, u: Values) -> list[BoxFlight]:
         """Return all flights of the oscillator `o`, with the unknowns `u` of an orbit, followed to
@@ -283,6 +292,7 @@ class BoxEquations:
         """
         if i + 1 < len(self.legs):
             return u[self.legs[i + 1].at], flown[i + 1].x0
+        # The first flight again, a period later, or its mirror image, half a period later.
         x = flown[0].x0
         if self.mirrored:
             x = (o.A[1] + o.A[3]) / o.k - x
@@ -291,17 +301,19 @@ class BoxEquations:
     def residuals(self, o: OscillatorInBalls, u: Values) -> tuple[list[BoxFlight], Values]:
         """Return the flights followed to their ends, and the residuals of the closing equations."""
         flown = self.flown(o, u)
-        found = list[Ball]()
-        for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
+        residuals = list[Ball]()
+        for i, (leg, flight) in enumerate(zip(self.legs, flown, strict=True)):
             speed = o.speed[leg.piece.end]
-            (phase, x) = self.next_start(o, i, u, flown)
+            phase, x = self.next_start(o, i, u, flown)
             start = u[leg.at]
             tau = u[leg.tau]
+            residuals.append(flight.v - speed)
             if leg.stick:
-                found += [there.v - speed, there.x + speed * ((phase - start) / o.Omega - tau) - x]
+                # The belt carries the mass on until the next flight starts.
+                residuals.append(flight.x + speed * ((phase - start) / o.Omega - tau) - x)
             else:
-                found += [there.v - speed, there.x - x, start + o.Omega * tau - phase]
-        return flown, found
+                residuals += [flight.x - x, start + o.Omega * tau - phase]
+        return flown, residuals
 
     def slopes(
         self, o: OscillatorInBalls, leg: Leg, u: Values, share: float = 1
@@ -339,11 +351,12 @@ class BoxEquations:
         rows = list[Values]()
         for i, (leg, by) in enumerate(zip(self.legs, slopes, strict=True)):
             follows = (i + 1) % len(self.legs)
-            then = self.legs[follows].at
+            then = self.legs[follows].at  # the index of the next flight's phase
             if follows == 0 and self.mirrored:
-                sign = -1
+                sign = -1  # x of a mirror image
             else:
                 sign = 1
+            # Rows of the residuals: v meets the belt, x joins on, and (without stick) the phase.
             meets, joins, meeting = ([arb(0)] * self.count for _ in range(3))
             meets[leg.at : leg.tau + 1] = by["v"]
             joins[leg.at : leg.tau + 1] = by["x"]
@@ -384,6 +397,7 @@ class BoxEquations:
             return []
         if not bias < swing:
             raise NotInBox("whether the forces turn")
+        # A turn is at most pi/2 away from index pi: three more on each side are surely enough.
         first = int(float(low) / float(arb.pi())) - 3
         last = int(float(high) / float(arb.pi())) + 3
         turns = [(index, self.turn(o, belt, index)) for index in range(first, last)]
@@ -404,22 +418,23 @@ class BoxEquations:
         """
         phase = u[leg.at]
         belt = leg.piece.start
-        found = []
+        sections = []
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
             return None
-        times = [arb(0), *((each - phase) / o.Omega for each in turns), u[leg.tau]]
-        for (a, b), (low, high) in zip(
+        times = [arb(0), *((turn - phase) / o.Omega for turn in turns), u[leg.tau]]
+        for (first_phase, last_phase), (low, high) in zip(
             pairwise([phase, *turns, end]), pairwise(times), strict=True
         ):
-            value = self.drift(o, belt, ((a + b) / 2).mid())
+            # The drift has one sign between two turns: its value in the middle shows it.
+            value = self.drift(o, belt, ((first_phase + last_phase) / 2).mid())
             if not abs(value) > 0:
                 return None
-            found.append((-leg.side if value > 0 else leg.side, low, high))
-        return found
+            sections.append((-leg.side if value > 0 else leg.side, low, high))
+        return sections
 
-    def plan(self, o: OscillatorInBalls, u: Values) -> Plan:
+    def plan(self, o: OscillatorInBalls, u: Values) -> FlightChecks:
         """Return how to prove the word for all unknowns in the balls u: turns in each stick, and
         cuts of each flight.
 
@@ -434,70 +449,75 @@ class BoxEquations:
             begin = u[leg.at] + o.Omega * u[leg.tau]
             turns.append(self.turns_between(o, leg.piece.end, begin, end) if leg.stick else [])
             cuts.append(self.cuts(o, leg, u) if leg.piece.start == leg.piece.end else None)
-        return turns, cuts
+        return FlightChecks(turns, cuts)
 
     def cuts(self, o: OscillatorInBalls, leg: Leg, u: Values) -> list[Cut] | None:
         """Return the points (`Cut`) of a flight at which to show that its gap is > 0; None if it
         needs short steps.
         """
-        found = self.sections(o, leg, u)
+        sections = self.sections(o, leg, u)
         longest = longest_part(o)
-        if found is None:
+        if sections is None:
             return None
         tau = float(u[leg.tau])
         cuts = list[Cut]()
-        spare = 2 * max(float(high.rad()) for _, _, high in found) + tau / 1000
-        for i, (sign, *ends) in enumerate(found):
+        spare = 2 * max(float(high.rad()) for _, _, high in sections) + tau / 1000
+        for i, (sign, *ends) in enumerate(sections):
             low, high = map(float, ends)
             if high - low > MOST_CUTS * longest:  # a stiff spring
                 return None
             if sign < 0:
+                # It suffices that g > 0 at both ends of parts that are short enough.
                 count = int((high - low) / (SHORTER * longest))
                 cuts += [(low + j * (high - low) / (count + 1), 0.0) for j in range(1, count + 1)]
                 continue
+            # Beside the start and the end of the flight g = 0 there already shows that g > 0.
             low += SHORTER * longest * (i == 0)
-            high -= SHORTER * longest * (i + 1 == len(found))
+            high -= SHORTER * longest * (i + 1 == len(sections))
             if low < high:
                 count = ceil(4 * (high - low) / longest)
                 half = (high - low) / count / 2
                 cuts += [(low + (2 * j + 1) * half, 1.05 * half + spare) for j in range(count)]
         if len(cuts) > MOST_CUTS:
             return None
-        return [(round(at / tau * 1024) / 1024, reach) for at, reach in cuts]
+        return [(round(time / tau * 1024) / 1024, reach) for time, reach in cuts]
 
     def stays(self, o: OscillatorInBalls, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
         """Return whether the gap of a flight back to its belt is > 0 all the time, if it is > 0 at
         the `cuts`.
         """
-        found = self.sections(o, leg, u)
+        sections = self.sections(o, leg, u)
         longest = longest_part(o)
         tau = u[leg.tau]
         left = list(cuts)
-        if found is None:
+        if sections is None:
             return False
-        for i, (sign, low, high) in enumerate(found):
+        for i, (sign, low, high) in enumerate(sections):
             inside = [
                 (tau * share, reach) for share, reach in left if float(tau) * share < float(high)
             ]
             left = left[len(inside) :]
             if sign < 0:
-                spans = [b - a for a, b in pairwise([low, *(mark for mark, _ in inside), high])]
-                if any(reach for _, reach in inside) or not all(
-                    0 < span < longest for span in spans
-                ):
+                times = [low, *(time for time, _ in inside), high]
+                are_short = all(0 < later - time < longest for time, later in pairwise(times))
+                if any(reach for _, reach in inside) or not are_short:
                     return False
                 continue
+            # Up to `known` the gap is > 0: at first for the time in which its start with g = 0
+            # shows that, then to where each cut reaches.
+            known = low
             if i == 0:
                 known = low + longest
-            else:
-                known = low
-            for mark, reach in inside:
-                if not (
-                    low < mark < high and mark - reach < known and 2 * reach < longest and reach > 0
-                ):
+            for time, reach in inside:
+                is_joined = low < time < high and time - reach < known
+                if not (is_joined and 2 * reach < longest and reach > 0):
                     return False
-                known = mark + reach
-            if not known > (high - longest if i + 1 == len(found) else high):
+                known = time + reach
+            # The end with g = 0 shows it for the time before.
+            needed = high
+            if i + 1 == len(sections):
+                needed = high - longest
+            if not known > needed:
                 return False
         return not left
 
@@ -506,7 +526,7 @@ class BoxEquations:
         o: OscillatorInBalls,
         u: Values,
         flown: Sequence[BoxFlight],
-        plan: Plan,
+        plan: FlightChecks,
         slopes: Sequence[dict[str, Values]] = (),
     ) -> list[Inequality]:
         """Return the margins, which must be > 0 for the word: each one's text, value, and
@@ -515,16 +535,17 @@ class BoxEquations:
         `flown` has the flights, and `plan` the turns and cuts at which to look. Without `slopes`
         the derivatives are 0.
         """
-        found = list[Inequality]()
+        inequalities = list[Inequality]()
 
         def add(text: str, value: Ball, *parts: tuple[int, Values]) -> None:
+            """Add an inequality; its `parts` are derivatives by the unknowns from an index on."""
             row = [arb(0)] * self.count
             for at, entries in parts if slopes else ():
                 for j, entry in enumerate(entries, at):
                     row[j] += entry
-            found.append((text, value, row))
+            inequalities.append((text, value, row))
 
-        for i, (leg, there) in enumerate(zip(self.legs, flown, strict=True)):
+        for i, (leg, flight) in enumerate(zip(self.legs, flown, strict=True)):
             belt = leg.piece.end
             stick = leg.stick
             piece = leg.piece
@@ -533,11 +554,15 @@ class BoxEquations:
             side = leg.side
             tau = u[leg.tau]
             jump = o.jump[belt]
-            meets = -side * there.a
-            by_meets = (leg.at, [-side * each for each in slopes[i]["a"]] if slopes else [])
+            # The flight meets the belt if its acceleration leads towards it. The mass crosses if
+            # that exceeds the jump of the force, else it sticks.
+            meets = -side * flight.a
+            slopes_of_meets = [-side * slope for slope in slopes[i]["a"]] if slopes else []
+            by_meets = (leg.at, slopes_of_meets)
             add(f"{piece.label} lasts", tau, (leg.tau, [arb(1)]))
             add(f"{piece.label} meets belt {belt}", meets, by_meets)
             if stick:
+                # The sign with which the drift of the force that ends the stick is > 0.
                 if stick.side < 0:
                     s = 1
                 else:
@@ -546,11 +571,10 @@ class BoxEquations:
                 by_lasts = (leg.at, [-1 / o.Omega]), (leg.tau, [arb(-1)]), (then, [1 / o.Omega])
                 drift = s * self.drift(o, belt, phase)
                 add(f"{stick.label} lasts", lasts, *by_lasts)
-                add(
-                    f"{stick.label} begins", jump - meets, (leg.at, [-each for each in by_meets[1]])
-                )
+                slopes_of_begins = [-slope for slope in slopes_of_meets]
+                add(f"{stick.label} begins", jump - meets, (leg.at, slopes_of_begins))
                 add(f"{stick.label} ends", drift, (then, [s * o.B0 * o.Omega * phase.cos()]))
-                for turn in (self.turn(o, belt, index) for index in plan[0][i]):
+                for turn in (self.turn(o, belt, index) for index in plan.turns[i]):
                     rises = (
                         o.B0 * (turn.cos() - phase.cos())
                         + o.k * o.speed[belt] * (phase - turn) / o.Omega
@@ -561,12 +585,14 @@ class BoxEquations:
                     add(f"{stick.label} holds", jump - force, (then, [-change]))
             else:
                 add(f"{piece.label} crosses belt {belt}", meets - jump, by_meets)
-            for share, reach in plan[1][i] or ():
+            for share, reach in plan.cuts[i] or ():
                 cut = BoxFlight(o, leg, u, tau * share)
                 if slopes:
                     rates = self.slopes(o, leg, u, share)
                 else:
                     rates = {"v": [], "a": []}
+                # The gap of the free motion with the value and slope at the cut, at both ends of its
+                # reach; without reach the gap at the cut itself.
                 for later in (reach, -reach) if reach else (0.0,):
                     E, _, phi = o.entire(arb(later))
                     ahead = side * ((cut.v - o.speed[belt]) * phi + cut.a * E)
@@ -575,25 +601,25 @@ class BoxEquations:
                         for v, a in zip(rates["v"], rates["a"], strict=True)
                     ]
                     add(f"v meets belt {belt} during {piece.label}", ahead, (leg.at, changes))
-        return found
+        return inequalities
 
-    def prove_flights(self, o: OscillatorInBalls, u: Values, plan: Plan) -> None:
+    def prove_flights(self, o: OscillatorInBalls, u: Values, plan: FlightChecks) -> None:
         """Prove that no flight meets a belt before its end, if all margins are > 0.
 
         Raise Undecided if that fails.
         """
-        for leg, cuts in zip(self.legs, plan[1], strict=True):
+        for leg, cuts in zip(self.legs, plan.cuts, strict=True):
             piece = leg.piece
             sides = {
                 belt: (1 if piece.mode > belt else -1, o.speed[belt])
                 for belt in belts_around(piece.mode)
             }
-            if self.beside and piece.mode != 2:  # its mirror image is between both belts
+            if self.beside and piece.mode != 2:
+                # Its mirror image, with -v, is between both belts: it must not meet the other one.
                 if piece.mode == 1:
-                    other = 2
+                    sides[2] = 1, -o.speed[2]
                 else:
-                    other = 1
-                sides[other] = (1 if piece.mode == 1 else -1), -o.speed[other]
+                    sides[1] = -1, -o.speed[1]
             for belt, (side, speed) in sides.items():
                 if (
                     belt == piece.start == piece.end
@@ -601,6 +627,7 @@ class BoxEquations:
                     and self.stays(o, leg, u, cuts)
                 ):
                     continue
+                # How many of g and g' are 0 where the flight starts; `SignedGap.at_start`.
                 if belt != piece.start:
                     zeros = 0
                 elif piece.after_stick:
@@ -659,7 +686,7 @@ def box_arithmetic() -> Iterator[None]:
     """Set the precision for boxes in a with block; if Undecided or a division by 0 occurs in it,
     raise NotInBox.
     """
-    before = ctx.cap
+    before = ctx.cap  # which `Surface.directed` sets
     try:
         with ctx.workprec(BOX_BITS):
             yield
@@ -704,14 +731,14 @@ class Surface:
             self.Y = self.J.mid().inv().mid()
             step = (self.Y * column(r)).mid()
             self.u = (self.u - step).mid()
-            size = max(abs(float(each)) for each in step.entries())
+            size = max(abs(float(change)) for change in step.entries())
             if not size < 1e3:
                 break
             if size < CONVERGED:
                 margins = flights.margins(
                     o, self.u.entries(), flown, flights.plan(o, self.u.entries())
                 )
-                what, value, _ = min(margins, key=lambda each: float(each[1]))
+                what, value, _ = min(margins, key=lambda margin: float(margin[1]))
                 if value < 0:
                     raise NotInBox(what)
                 return
@@ -722,21 +749,32 @@ class Surface:
         return OscillatorInBalls(self.p, self.fixed | dict(zip(self.names, values, strict=True)))
 
     def directed(
-        self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
+        self,
+        direction: tuple[int, int],
+        coefficients: Sequence[arb_mat],
+        count: int,
+        from_whole_box: bool,
     ) -> tuple[OscillatorInBalls, Values]:
-        """Return oscillator and unknowns as power series of `count` terms along the direction `d`
-        in the box.
+        """Return oscillator and unknowns as power series of `count` terms along a direction in the
+        box.
 
-        `rows` has the coefficients of the unknowns. The series begin at the middle or, if `wide`,
-        at all of the box.
+        `coefficients` are those of all unknowns, order by order. The series begin at the middle or,
+        if `from_whole_box`, at all of the box. This also sets flint's own limit for the length of
+        series, which `box_arithmetic` resets.
         """
+        # Series that are made of constants get as many terms as `ctx.cap` says, no series more.
         ctx.cap = count
-        base = zip(self.range if wide else self.middle, self.half, d, strict=True)
-        o = self.oscillator([arb_series([b, h * e], prec=count) for b, h, e in base])
-        return o, [
-            arb_series(list(each), prec=count)
-            for each in zip(*(row.entries() for row in rows), strict=True)
+        if from_whole_box:
+            begins = self.range
+        else:
+            begins = self.middle
+        parameters = [
+            arb_series([begin, half * component], prec=count)
+            for begin, half, component in zip(begins, self.half, direction, strict=True)
         ]
+        by_order = (vector.entries() for vector in coefficients)
+        unknowns = [arb_series(list(orders), prec=count) for orders in zip(*by_order, strict=True)]
+        return self.oscillator(parameters), unknowns
 
     def near(self, a: float, b: float) -> tuple[float, ...]:
         """Return approximate unknowns at a place (a, b) in the box as floats."""
@@ -762,78 +800,97 @@ class Surface:
         flights = self.flights
         place = arb(0, 1)
         zero = arb(0)
+        # Slopes and bends of the surface cancel the terms of order 1 and 2 of Y f.
         da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
-        thin = list[tuple[OscillatorInBalls, Values, list[BoxFlight]]]()
+        thin = list[tuple[OscillatorInBalls, Values, list[BoxFlight]]]()  # series from the middle
         bends = list[arb_mat]()
+        # What rounding leaves of the terms of order 0, 1 and 2, which are nearly 0.
         rest = [zero] * flights.count
-        for d in DIRECTIONS[:3]:
-            r, found = self._coefficients(d, [self.u, d[0] * da + d[1] * db], 3, False)
-            bends.append(-r[2].mid())
-            thin.append(found)
-            for values in (r[0], r[1], r[2] + self.Y * (self.J * bends[-1])):
+        for a, b in DIRECTIONS[:3]:
+            orders, series = self._coefficients((a, b), [self.u, a * da + b * db], 3, False)
+            order_0, order_1, order_2 = orders
+            bend = -order_2.mid()
+            bends.append(bend)
+            thin.append(series)
+            for values in (order_0, order_1, order_2 + self.Y * (self.J * bend)):
                 rest = [
-                    each + 3 * abs(more) for each, more in zip(rest, values.entries(), strict=True)
+                    total + 3 * abs(value)
+                    for total, value in zip(rest, values.entries(), strict=True)
                 ]
+        # The bend along (1, 1) is that of both sides together.
         aa, bb, both = bends
         self.slopes = [da, db]
         self.squares = (aa, both - aa - bb, bb)
         wide = self.oscillator(self.range)
         surface = self.at(place, place)
         plan = flights.plan(wide, surface.entries())
-        # of each margin the least of its linear part; along which side it changes
+        # The least of the linear part of each margin, and the side along which it changes most.
         low = list[Ball]()
         rises = list[int]()
-        for (what, one, _), (_, other, _) in zip(
-            *(flights.margins(*each, plan) for each in thin[:2]), strict=True
-        ):
-            a, b = (abs(coefficient(each, 1)) for each in (one, other))
-            low.append(coefficient(one, 0) - a - b)
+        along_a, along_b = (flights.margins(*series, plan) for series in thin[:2])
+        for (what, by_a, _), (_, by_b, _) in zip(along_a, along_b, strict=True):
+            a = abs(coefficient(by_a, 1))
+            b = abs(coefficient(by_b, 1))
+            low.append(coefficient(by_a, 0) - a - b)
             rises.append(int(b > a))
             if low[-1] < 0:
                 raise NotInBox(what, rises[-1])
 
+        # The terms of order 3 of Y f, and the bends of the margins, for all places in the box.
         cubes = list[arb_mat]()
         curves = list[list[Ball]]()
         for d in DIRECTIONS:
-            r, found = self._coefficients(d, [surface, *self._derivatives(d, place)], 4, True)
-            cubes.append(r[3])
-            curves.append([coefficient(value, 2) for _, value, _ in flights.margins(*found, plan)])
+            orders, series = self._coefficients(d, [surface, *self._derivatives(d, place)], 4, True)
+            cubes.append(orders[3])
+            curves.append([coefficient(value, 2) for _, value, _ in flights.margins(*series, plan)])
+        # The coefficients of a^3, a^2 b, a b^2 and b^3 in the cubic form, from its values A, D,
+        # A + B + C + D and A - B + C - D along the four DIRECTIONS.
         A, D = cubes[:2]
         form = A, (cubes[2] - cubes[3]) / 2 - D, (cubes[2] + cubes[3]) / 2 - A, D
-        parts = zip(rest, *(each.entries() for each in form), strict=True)
-        pushed = [(each + sum(map(abs, more), zero)).upper() for each, *more in parts]
-        sizes = [
-            max(float(abs(a) / p) for a, p in zip(each.entries(), pushed, strict=True))
-            for each in (A, D)
-        ]
-        along = int(sizes[1] > sizes[0])
+        parts = zip(rest, *(cube.entries() for cube in form), strict=True)
+        pushed = [(total + sum(map(abs, values), zero)).upper() for total, *values in parts]
+        size_a, size_b = (
+            max(float(abs(value) / p) for value, p in zip(cube.entries(), pushed, strict=True))
+            for cube in (A, D)
+        )
+        along = int(size_b > size_a)
         tube, slopes = self._root_distances(surface, pushed, along)
 
+        # The inequalities for all unknowns within that distance of the surface.
         whole = (surface + column([arb(0, r) for r in tube])).entries()
         if not all(
             set(new) <= set(old)
-            for new, old in zip(flights.plan(wide, whole)[0], plan[0], strict=True)
+            for new, old in zip(flights.plan(wide, whole).turns, plan.turns, strict=True)
         ):
             raise NotInBox("which turns are in a stick", along)
         for i, (what, _, by) in enumerate(
             flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)
         ):
-            bent = [curve[i] for curve in curves[:3]]
-            mixed = abs(bent[2] - bent[0] - bent[1])
-            near = sum((abs(each) * r for each, r in zip(by, tube, strict=True)), zero)
-            if not low[i] + bent[0].min(zero) + bent[1].min(zero) - mixed - near > 0:
+            bend_a, bend_b, bend_both = (curve[i] for curve in curves[:3])
+            mixed = abs(bend_both - bend_a - bend_b)
+            off_surface = sum((abs(slope) * r for slope, r in zip(by, tube, strict=True)), zero)
+            if not low[i] + bend_a.min(zero) + bend_b.min(zero) - mixed - off_surface > 0:
                 raise NotInBox(what, rises[i])
         flights.prove_flights(wide, whole, plan)
 
     def _coefficients(
-        self, d: tuple[int, int], rows: Sequence[arb_mat], count: int, wide: bool
+        self,
+        direction: tuple[int, int],
+        coefficients: Sequence[arb_mat],
+        count: int,
+        from_whole_box: bool,
     ) -> tuple[list[arb_mat], tuple[OscillatorInBalls, Values, list[BoxFlight]]]:
         """Return coefficients of Y f (f: residuals, Y: nearly J^-1), and series of oscillator,
         unknowns, flights.
+
+        The arguments are those of `directed`.
         """
-        o, u = self.directed(d, rows, count, wide)
-        flown, r = self.flights.residuals(o, u)
-        return [self.Y * column([each[k] for each in r]) for k in range(count)], (o, u, flown)
+        o, u = self.directed(direction, coefficients, count, from_whole_box)
+        flown, residuals = self.flights.residuals(o, u)
+        orders = [
+            self.Y * column([series[order] for series in residuals]) for order in range(count)
+        ]
+        return orders, (o, u, flown)
 
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[arb_mat, arb_mat]:
         """Return first and second Taylor coefficients of the unknowns u(a, b) along `d`, for all a
@@ -841,7 +898,7 @@ class Surface:
         """
         (da, db) = self.slopes
         (aa, ab, bb) = self.squares
-        (i, j) = d
+        i, j = d
         slope = i * (da + place * (2 * aa) + place * ab) + j * (db + place * (2 * bb) + place * ab)
         return slope, i * i * aa + i * j * ab + j * j * bb
 

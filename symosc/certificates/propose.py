@@ -459,8 +459,8 @@ def _derivatives(task: ToProve, run: Trajectory) -> Record:
         task.p, task.wrt, **start, t_end=task.t_end, digits=task.digits + SPARE_DIGITS
     )
     rows = []
-    for each in range(count):
-        columns = {"dt": changes.dt[each], "dx": changes.dx[each]}
+    for event in range(count):
+        columns = {"dt": changes.dt[event], "dx": changes.dx[event]}
         rows.append(
             {
                 name: [outward(around(value, 0), task.digits) for value in values]
@@ -504,11 +504,11 @@ def _touching(task: ToProve, touch: Touch, run: Trajectory) -> Iterator[Record]:
     errors = [Fraction(0)] * 3
     errors[place] = (high - low) / 2
     changes: dict[str, Any] = {name: (low + high) / 2, "start_error": errors}
-    one = task.run(digits, **changes)
+    run_at_middle = task.run(digits, **changes)
     free = {"name": name, "low": show_decimal(low), "high": show_decimal(high)}
     for wider in WIDER[::2]:
-        rows = [row_of(event, wider, task.digits) for event in one.events]
-        yield about(task, one, rows) | {"starts": "some", "free": free}
+        rows = [row_of(event, wider, task.digits) for event in run_at_middle.events]
+        yield about(task, run_at_middle, rows) | {"starts": "some", "free": free}
 
 
 def _touching_value(task: ToProve, touch: Touch) -> tuple[Fraction, int]:
@@ -525,11 +525,11 @@ def _touching_value(task: ToProve, touch: Touch) -> tuple[Fraction, int]:
         if count < 2:
             value = given + reach * count / 4
         else:
-            (s, g), (s2, g2) = points[-2:]
-            if g == g2:
+            (value_before, gap_before), (last_value, last_gap) = points[-2:]
+            if gap_before == last_gap:
                 break
-            step = g2 * (s2 - s) / (g2 - g)
-            value = fraction(many_digits(task.p, digits).number(s2 - step))
+            step = last_gap * (last_value - value_before) / (last_gap - gap_before)
+            value = fraction(many_digits(task.p, digits).number(last_value - step))
             if abs(value - given) > reach:
                 break
         gap, near = _least_gap(task, touch, value, near, digits)
@@ -563,6 +563,7 @@ def _least_gap(
     launch = Launch(v, force, context.sin(theta), cosine)
     tau = number(near) - t
     flown = arithmetic.namespace["state_at"]
+    # The gap is least where the acceleration F is 0: Newton's method with its derivative G1.
     for _ in range(MOST_NEWTON):
         there = flown(tau, launch, K)
         step = there.F / there.G1
@@ -641,13 +642,16 @@ class OrbitInDigits:
         size = 2 * len(self.pieces)
         found = []
         for i in range(0, size, 2):
+            # The rows of J for a piece: the derivatives of its two equations by x and theta at its
+            # start (shift 0) and at its end (2), here in the order theta, x.
             begin, end = (
                 [[J[i + row, (i + shift + j) % size] for j in (1, 0)] for row in (0, 1)]
                 for shift in (0, 2)
             )
+            # By the implicit function theorem the slope is -end^-1 begin.
             (a, b), (c, d) = end
-            inverse = context.matrix([[d, -b], [-c, a]]) / (b * c - a * d)
-            slope = inverse * context.matrix(begin)  # of theta and x
+            minus_inverse = context.matrix([[d, -b], [-c, a]]) / (b * c - a * d)
+            slope = minus_inverse * context.matrix(begin)  # of theta and x
             slope[0, 1] = slope[0, 1] / Omega
             slope[1, 0] = slope[1, 0] * Omega
             found.append(slope)
@@ -742,14 +746,14 @@ def leaving(task: ToProve) -> tuple[Fraction, tuple[Fraction, Fraction, Fraction
     slope = -(p.k * v0 + p.B0 * p.Omega * sine) / p.m
     swing = abs(p.B0) * p.Omega / p.m
     reach = p.k / p.m * task.errors[1] + swing * task.errors[0]
-    ends = forces[0] if slope < 0 else forces[1]
+    ends = forces[0] if slope < 0 else forces[1]  # the force whose change of sign ends the stick
     steepness = abs(slope) - swing * p.Omega * task.errors[0]
     if abs(ends) > reach or steepness <= 0:
         return None
     lasts = task.errors[0] + 2 * (abs(ends) + reach) / steepness
-    lasts = Fraction(floor(lasts * 10**BOX_PLACES) + 2, 10**BOX_PLACES)
-    wide = task.errors[1] + abs(v0) * (lasts + task.errors[0])
-    return t0 + lasts, (lasts, wide, Fraction(0))
+    lasts = Fraction(floor(lasts * 10**BOX_PLACES) + 2, 10**BOX_PLACES)  # rounded up
+    error_x = task.errors[1] + abs(v0) * (lasts + task.errors[0])  # the belt carries the mass on
+    return t0 + lasts, (lasts, error_x, Fraction(0))
 
 
 def _arrival(orbit: OrbitInDigits, event: Event) -> int | None:
@@ -783,7 +787,7 @@ def _cycle(orbit: OrbitInDigits, place: int, event: Event) -> Cycle | None:
         whole = once * whole
         shape = _contracted_box(whole)
     t, x = orbit.points[place]
-    gone = round(float((event.t - t) / orbit.turn))
+    gone = round(float((event.t - t) / orbit.turn))  # periods before the event
     places = 10**BOX_PLACES
     middle = tuple(
         Fraction(round(fraction(each) * places), places) for each in (t + gone * orbit.turn, x)

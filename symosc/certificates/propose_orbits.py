@@ -150,12 +150,15 @@ def _proposed_orbit(
     # It begins at the end of a flight: there the forces say how the motion goes on.
     begin = next(i for i in range(n) if not pieces[i - 1].sticks)
     largest = 1 + max(abs(fraction(x)) for _, x in orbit.points)
-    wide = [one_digit(Fraction(part) * size) for size in (fraction(orbit.turn), largest)]
+    # Half-widths of the box in t and in x.
+    half_t = one_digit(Fraction(part) * fraction(orbit.turn))
+    half_x = one_digit(Fraction(part) * largest)
     # A hint for the checker: how far apart in time motions from the box meet each event. Its balls
     # are wider than the set.
     slopes = orbit.slopes()
     number = orbit.context.convert
-    moved = orbit.context.matrix([[number(wide[0]), 0], [0, number(wide[1])]])
+    # What each half-width moves: its columns are changes of (t, x), its first row those of t.
+    moved = orbit.context.matrix([[number(half_t), 0], [0, number(half_x)]])
     reaches = [2 * moved[0, 0]]
     for i in range(begin, begin + n):
         moved = slopes[i % n] * moved
@@ -174,7 +177,7 @@ def _proposed_orbit(
         "word": str(word.cycle),
         "periods": orbit.equations.periods,
         "events": rows,
-        "alone_within": wide,
+        "alone_within": [half_t, half_x],
         "multipliers": _multipliers(both),
         "stable": _stable(both),
     }
@@ -316,7 +319,6 @@ class BranchProposal:
         self.word = Word(tuple(labels))
         self.periods = periods
         self.ends = ends
-        self.families = list[ProposedFamily]()
 
     def orbit(self, value: Fraction, near: Points) -> OrbitInDigits:
         """Return the root of the closing equations at one value of the parameter."""
@@ -352,11 +354,8 @@ class BranchProposal:
         try:
             return self._proposed(stable, progress)
         except NothingProposed as undecided:
-            near = ""
-            if self.families:
-                near = f" near {self.name} = {float(self.families[-1].high):.12g}"
             message = f"the branch of {self.word.cycle} in {self.name}: not decided: "
-            return Certificate("branch", False, f"{message}{undecided.what}{near}")
+            return Certificate("branch", False, f"{message}{undecided.what}")
 
     def _proposed(
         self, stable: bool | None, progress: Callable[[float], None] | None
@@ -364,9 +363,9 @@ class BranchProposal:
         """Return the certificate, or raise NothingProposed."""
         ends = [self._end(end, side) for end, side in zip(self.ends, (-1, 1), strict=True)]
         low, high = (Fraction(end["inside"]) for end in ends)
-        stable = self._cover(low, high, stable, progress)
-        rows = [each.row() for each in self.families]
-        return confirmed("branch", self._statement(rows, ends, stable, self.families[0]))
+        families, stable = self._cover(low, high, stable, progress)
+        rows = [family.row() for family in families]
+        return confirmed("branch", self._statement(rows, ends, stable, families[0]))
 
     def _statement(
         self, rows: list[Record], ends: list[Record], stable: bool | None, family: ProposedFamily
@@ -408,17 +407,17 @@ class BranchProposal:
         high: Fraction,
         stable: bool | None,
         progress: Callable[[float], None] | None,
-    ) -> bool | None:
-        """Find intervals from end to end, each of which the checker proves by itself, or raise
-        NothingProposed.
+    ) -> tuple[list[ProposedFamily], bool | None]:
+        """Return the families of intervals from end to end, each of which the checker proves by
+        itself, or raise NothingProposed.
 
-        Return whether all orbits are proven to be stable: `stable`, or None.
+        Return also whether all orbits are proven to be stable: `stable`, or None.
         """
         whole = high - low
         width = FIRST_WIDTH * whole
         at = low
         near: OrbitInDigits | Points = self.ends[0].points
-        self.families = []
+        families = list[ProposedFamily]()
         halved = False
         while at < high:
             # Few digits, so that the values stay short.
@@ -434,12 +433,14 @@ class BranchProposal:
                 halved = True
                 if width >= LEAST_WIDTH * whole:
                     continue
+                # Only the stability is not proven here: then it is claimed nowhere.
                 if stable and not self._refusal(family, {}, None):
                     return self._cover(low, high, None, progress)
-                raise NothingProposed(reason)
-            self.families.append(family)
-            if len(self.families) > MOST_BOXES:
-                raise NothingProposed(f"what comes after {MOST_BOXES} intervals")
+                raise NothingProposed(f"{reason}{self._near(families)}")
+            families.append(family)
+            if len(families) > MOST_BOXES:
+                what = f"what comes after {MOST_BOXES} intervals"
+                raise NothingProposed(f"{what}{self._near(families)}")
             # Towards a graze intervals get narrower and narrower: wider ones would be refused.
             width = end - at
             if not halved:
@@ -449,7 +450,13 @@ class BranchProposal:
             near = family.last
             if progress:
                 progress(float((at - low) / whole))
-        return stable
+        return families, stable
+
+    def _near(self, families: Sequence[ProposedFamily]) -> str:
+        """Return up to where the intervals reach, as the end of a message; "" if there are none."""
+        if not families:
+            return ""
+        return f" near {self.name} = {float(families[-1].high):.12g}"
 
     def _end(self, end: ProposedEnd, side: int) -> Record:
         """Return the branch's lower (`side` -1) or upper (1) end as the checker proves it, or raise
@@ -459,6 +466,7 @@ class BranchProposal:
             return {"kind": RANGE, "inside": show(end.value), "outside": show(end.value)}
         for width in END_WIDTHS:
             span = self.ends[1].value - self.ends[0].value
+            # The end, rounded to a power of 10 near the width: its decimals stay short.
             unit = Fraction(10) ** floor(log10(width * max(abs(end.value), span)))
             value = round(end.value / unit) * unit
             inside = value - side * unit
@@ -470,11 +478,11 @@ class BranchProposal:
             last = self.orbit(outside, within.points)
             box = beyond.row()
             for kind, text, t in broken(last):
-                found = {"kind": kind, "inside": show(inside), "outside": show(outside)}
-                found |= {"inequality": text, "at": show_decimal(Fraction(f"{float(t):.16g}"))}
-                found |= {"t": box["t"], "x": box["x"]}
-                if not self._refusal(next_to_it, {side: found}, None):
-                    return found
+                row = {"kind": kind, "inside": show(inside), "outside": show(outside)}
+                row |= {"inequality": text, "at": show_decimal(Fraction(f"{float(t):.16g}"))}
+                row |= {"t": box["t"], "x": box["x"]}
+                if not self._refusal(next_to_it, {side: row}, None):
+                    return row
         raise NothingProposed(
             f"which inequality fails beyond the {end.kind} at {self.name} = {float(end.value):.12g}"
         )
@@ -594,10 +602,11 @@ def _grazing_phases(window: GrazingWindow) -> tuple[str, list[tuple[Number, Frac
         return BUT_ONE_PHASE, [(context.pi * (1 if sine > 0 else 3) / 2, sine, 0)]
     rising = context.asin(context.mpf(sine.numerator) / sine.denominator)
     falling = context.pi - rising
+    # s > 0 from where it rises through 0 to where it falls.
     first, second = rising, falling
     if swing < 0:
         first, second = falling, rising
-    cosine = 1 if swing > 0 else -1
+    cosine = 1 if swing > 0 else -1  # the sign of the cosine at the first end
     if first < 0:
         first = first + 2 * context.pi
     while not second > first:

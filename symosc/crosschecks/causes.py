@@ -402,24 +402,25 @@ def fitted(
         ]
         J = np.stack(slopes, axis=-1)
         finite = np.all(np.isfinite(here), axis=1) & np.all(np.isfinite(J), axis=(1, 2))
-        first = kept is None
+        solve = _least_squares
         if kept is None:
             kept = finite
+            # All steps are used in the first round: a median is not moved by a few wild ones.
+            if len(value) == 1:
+                solve = _median_change
         else:
             kept = kept & finite
-        change = (_median_change if first and len(value) == 1 else _least_squares)(
-            here[kept], J[kept]
-        )
-        if change is None:
+        solution = solve(here[kept], J[kept])
+        if solution is None:
             return None
-        value = value + change[0]
-        error = change[1]
+        change, error = solution
+        value = value + change
         sizes = larger(misses(value))
         if np.all(np.isnan(sizes)):  # there is no such system
             return None
         # Steps that miss by much more than the others are left out of the next round.
         kept = sizes <= max(1.0, 5.0 * float(np.nanmedian(sizes)))
-        if np.all(np.abs(change[0]) <= 1e-3 * error):
+        if np.all(np.abs(change) <= 1e-3 * error):
             break
     if np.any(kept):
         rest = np.sqrt(np.mean(misses(value)[kept] ** 2))

@@ -30,6 +30,13 @@ EXCEPTIONS = 0.1
 FEWEST_FLIGHTS = 60
 # Noise makes no defect that is larger than this many of its standard deviations.
 MOST_DEVIATIONS = 6.0
+# The median of chi-square with 1 degree of freedom: that of (error/deviation)^2 of normal errors.
+MEDIAN_CHI2 = 0.455
+# Noise shows in at least this many pairs of successive wrong steps.
+FEWEST_PAIRS = 12
+# White noise makes the correlation of their defects -1/2: these share one sample, whose error is in
+# both with opposite signs, and is half of the variance of each. Half of that is enough.
+LEAST_CORRELATION = -0.25
 FEWEST = 8
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
 POSITIONS_ALONE = ("with positions alone", None, lambda t, x, v: (t, x, None))
@@ -173,12 +180,11 @@ def velocity_column(case: FaultySteps) -> Iterator[Explanation]:
         "v is the difference of x to the sample before, over the step": np.append(np.nan, slopes),
         "v is the difference of x to the next sample, over the step": np.append(slopes, np.nan),
     }
+    # To 9 digits, but for what the rounding of x makes of differences over short steps.
+    allowed = 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h)
     for words, v in made.items():
         off = np.abs(v - s.v)[1:-1] / np.max(np.abs(s.v))
-        if (
-            np.mean(off <= 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h))
-            >= 1.0 - EXCEPTIONS
-        ):
+        if np.mean(off <= allowed) >= 1.0 - EXCEPTIONS:
             yield Explanation(
                 Diagnosis("columns", "v", words, "repeats v to 9 digits"), *POSITIONS_ALONE
             )
@@ -192,12 +198,12 @@ def velocity_column(case: FaultySteps) -> Iterator[Explanation]:
     else:
         size = 0.0
     for part, words in ((0.5, "v is half a sample late"), (-0.5, "v is half a sample early")):
-        there = _velocities_beside(case, first, v, part)
-        near = np.abs(there - s.v[first:])[np.isfinite(there)] <= max(
-            0.02 * size, case.allowed[0, 1]
-        )
-        if len(near) and np.mean(near) >= 1.0 - EXCEPTIONS:
-            diagnosis = Diagnosis("columns", "v", words, f"repeats {np.mean(near):.0%} of v", part)
+        beside = _velocities_beside(case, first, v, part)
+        misses = np.abs(beside - s.v[first:])[np.isfinite(beside)]
+        agrees = misses <= max(0.02 * size, case.allowed[0, 1])
+        if len(agrees) and np.mean(agrees) >= 1.0 - EXCEPTIONS:
+            evidence = f"repeats {np.mean(agrees):.0%} of v"
+            diagnosis = Diagnosis("columns", "v", words, evidence, part)
             yield Explanation(diagnosis, *POSITIONS_ALONE)
             return
     if len(case.inside) >= FEWEST_FLIGHTS:
@@ -235,14 +241,14 @@ def _velocities_beside(case: FaultySteps, first: int, v: np.ndarray, part: float
     t = s.t[first:]
     x = s.x[first:]
     time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
+    # Pairs of a sample and a state with v = 0 at the time beside: the defect of the step between
+    # them is the velocity there.
+    begins = np.column_stack([t, x, v])[:-1]
     ends = np.column_stack([time, x[:-1], 0.0 * time])
-    pair_t, pair_x, pair_v = (
-        np.stack([np.column_stack([t, x, v])[:-1], ends], axis=1).reshape(-1, 3).T
-    )
+    pair_t, pair_x, pair_v = np.stack([begins, ends], axis=1).reshape(-1, 3).T
     near = np.repeat(case.near[first:][:-1], 2)
-    speeds = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales).defects[
-        ::2, 1
-    ]
+    followed = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales)
+    speeds = followed.defects[::2, 1]
     if part > 0.0:
         return np.append(np.nan, speeds)
     return np.append(speeds, np.nan)
@@ -254,13 +260,12 @@ def frozen_positions(case: FaultySteps) -> Iterator[Explanation]:
     speeds = (float(case.parameters.v1), float(case.parameters.v2))
 
     def moved(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
-        held = (np.diff(x) == 0.0) & (np.diff(v) == 0.0) & np.isin(v[:-1], speeds)
-        total = np.cumsum(np.append(0.0, np.where(held, v[:-1] * np.diff(t), 0.0)))
-        runs = np.append(
-            False, held
-        )  # each sample of a run is moved by the way since the run began
-        begin = np.maximum.accumulate(np.where(runs, 0, np.arange(len(t))))
-        return t, x + np.where(runs, total - total[begin], 0.0), v
+        """Move each sample of a stick by the way of the belt since the stick began."""
+        is_frozen = (np.diff(x) == 0.0) & (np.diff(v) == 0.0) & np.isin(v[:-1], speeds)
+        way = np.cumsum(np.append(0.0, np.where(is_frozen, v[:-1] * np.diff(t), 0.0)))
+        ends_frozen = np.append(False, is_frozen)  # the samples at which such a step ends
+        begin = np.maximum.accumulate(np.where(ends_frozen, 0, np.arange(len(t))))
+        return t, x + np.where(ends_frozen, way - way[begin], 0.0), v
 
     x = moved(s.t, s.x, s.v)[1]
     still = np.flatnonzero((x != s.x)[1:])
@@ -344,10 +349,10 @@ def single_times(case: FaultySteps) -> Iterator[Explanation]:
     a = force + s.K.f0 * np.cos(s.theta[chosen + 1]) - s.K.w0sq * s.x[chosen + 1] - s.K.cm * v
     slopes = np.column_stack([v, a]) / case.allowed[chosen]
     misses = s.defects[chosen] / case.allowed[chosen]
+    # The shift of each time that leaves least of its defect, by least squares.
     shift = np.sum(slopes * misses, axis=1) / np.sum(slopes * slopes, axis=1)
-    within = np.abs(shift) <= 2.0 * np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(
-        float
-    )
+    single_units = np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(float)
+    within = np.abs(shift) <= 2.0 * single_units
     left = np.max(np.abs(misses - slopes * shift[:, None]), axis=1)
     within &= left <= np.maximum(1.0, 0.2 * case.sizes[chosen])
     largest = float(np.max(np.abs(shift[within]), initial=0.0))
@@ -430,37 +435,59 @@ def noise(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of noise if the defects of successive steps are anticorrelated, as noise
     makes them.
     """
-    inside = case.inside_wrong
-    pairs = inside[:-1][np.diff(inside) == 1]
-    # Times in single precision make such defects too, of x and v that are right.
-    if len(pairs) < 12 or _are_single(case.steps.t):
-        return
     s = case.steps
-    defects = case.steps.defects
-    # The effect of the error of a sample in between, minus the defect before it, on the next step.
+    inside = case.inside_wrong
+    first_of_pairs = inside[:-1][np.diff(inside) == 1]
+    # Times in single precision make such defects too, of x and v that are right.
+    if len(first_of_pairs) < FEWEST_PAIRS or _are_single(s.t):
+        return
+    correlation_x, correlation_v = _step_correlations(case, first_of_pairs)
+    both = (correlation_x, correlation_v)
+    # NaN, where nothing moves, is no correlation either.
+    if not (max(both) < 0.0 and min(both) < LEAST_CORRELATION):
+        return
+    noise_x, noise_v = _noise_sizes(s.defects[inside])
+    words = f"the samples have noise of about {noise_x:.2g} in x and {noise_v:.2g} in v"
+    evidence = (
+        "what one step is off, the next one takes back: "
+        f"correlation {correlation_x:.2f} in x, {correlation_v:.2f} in v"
+    )
+    error = float(noise_v / np.sqrt(2.0 * len(inside)))
+    diagnosis = Diagnosis("noise", "", words, evidence, float(noise_v), error)
+    # A step has the noise of both its samples, and v of the first one moves x.
+    h = np.diff(s.t)
+    usual = np.column_stack(
+        [np.hypot(np.sqrt(2.0) * noise_x, h * noise_v), np.full(len(h), 2.0 * noise_v)]
+    )
+    fits = np.all(np.abs(s.defects) <= case.allowed + MOST_DEVIATIONS * usual, axis=1)
+    yield Explanation(diagnosis, left=np.where(fits, 0.0, case.sizes))
+
+
+def _step_correlations(case: FaultySteps, steps: np.ndarray) -> tuple[float, float]:
+    """Return how the defects of steps correlate, in x and in v, with those of the steps after
+    them.
+
+    Each defect is first carried over the next step by the motion.
+    """
+    s = case.steps
+    between = steps + 1
+    # `moved` goes on from where the exact motion ends each step, `s` from the sample there.
     moved = replace(s, x=s.x.copy(), v=s.v.copy())
-    moved.x[pairs + 1] += defects[pairs, 0]
-    moved.v[pairs + 1] += defects[pairs, 1]
-    domain = case.domain[pairs + 1]
-    effect = moved.flight(domain, pairs + 1, pairs + 2) - s.flight(domain, pairs + 1, pairs + 2)
-    after = defects[pairs + 1]
-    products = np.sqrt(np.sum(effect**2, axis=0) * np.sum(after**2, axis=0))
-    x, v = (np.sum(effect * after, axis=0) / products).tolist()
-    if max(x, v) < 0.0 and min(x, v) < -0.25:  # noise makes it about -0.5
-        sizes = np.sqrt(np.median(defects[inside] ** 2, axis=0) / 0.455 / 2.0)
-        words = f"the samples have noise of about {sizes[0]:.2g} in x and {sizes[1]:.2g} in v"
-        evidence = (
-            f"what one step is off, the next one takes back: correlation {x:.2f} in x, {v:.2f} in v"
-        )
-        error = float(sizes[1] / np.sqrt(2.0 * len(inside)))
-        diagnosis = Diagnosis("noise", "", words, evidence, float(sizes[1]), error)
-        # A step has the noise of both its samples, and v of the first one moves x.
-        h = np.diff(s.t)
-        usual = np.column_stack(
-            [np.hypot(np.sqrt(2.0) * sizes[0], h * sizes[1]), np.full(len(h), 2.0 * sizes[1])]
-        )
-        fits = np.all(np.abs(defects) <= case.allowed + MOST_DEVIATIONS * usual, axis=1)
-        yield Explanation(diagnosis, left=np.where(fits, 0.0, case.sizes))
+    moved.x[between] += s.defects[steps, 0]
+    moved.v[between] += s.defects[steps, 1]
+    domain = case.domain[between]
+    carried = moved.flight(domain, between, between + 1) - s.flight(domain, between, between + 1)
+    after = s.defects[between]
+    products = np.sqrt(np.sum(carried**2, axis=0) * np.sum(after**2, axis=0))
+    x, v = (np.sum(carried * after, axis=0) / products).tolist()
+    return x, v
+
+
+def _noise_sizes(defects: np.ndarray) -> np.ndarray:
+    """Return the standard deviations of the noise of a sample in x and v, from defects of steps."""
+    # The median is not moved by outliers. Both samples of a step add their noise: the variance of
+    # its defect is twice that of a sample.
+    return np.asarray(np.sqrt(np.median(defects**2, axis=0) / MEDIAN_CHI2 / 2.0))
 
 
 def few_digits(check: Verdict) -> Iterator[Diagnosis]:

@@ -20,6 +20,7 @@ from symosc.crosschecks.events import (
 from symosc.crosschecks.match import match_events
 from symosc.crosschecks.time_tolerances import TimeTolerances
 from symosc.engine.events import KIND_NAMES
+from symosc.engine.state import ON_BELT
 from symosc.simulation.trajectory import Event, Trajectory
 
 # The events at which v becomes that of a belt; an event function v - v_belt finds these.
@@ -156,9 +157,9 @@ class EventVerdicts:
             one_way |= own != {contact for contact in contacts if contact[0] in belts}
         if claims and any(not times for times in lists):
             for belt in {1, 2} - {belt for belt, _ in claims}:
-                there = {contact for contact in contacts if contact[0] == belt}
-                if len(there) > 1 or not one_way:
-                    claims |= there
+                at_belt = {contact for contact in contacts if contact[0] == belt}
+                if len(at_belt) > 1 or not one_way:
+                    claims |= at_belt
         return claims
 
     def _allow_repeats_and_sticks(self) -> None:
@@ -171,7 +172,7 @@ class EventVerdicts:
             time = self.reported[j].t
             near = np.abs(self.times - time) <= self.reaches + self.tolerances.listed[j]
             inside = float(motion.t_start) <= time <= float(motion.t_end)
-            if np.any(near) or (inside and MODES[motion.mode(time)] > 3):
+            if np.any(near) or (inside and MODES[motion.mode(time)] > ON_BELT):
                 self.reported_free.remove(j)
 
     def _allow_start(self) -> None:
@@ -179,7 +180,7 @@ class EventVerdicts:
 
         This is no event, but solvers list it.
         """
-        boundary = int(self.label[0]) - 3
+        boundary = int(self.label[0]) - ON_BELT
         if boundary <= 0 or not self.reported_free:
             return
         first = min(self.reported_free)
@@ -316,7 +317,7 @@ class EventVerdicts:
         gaps = np.abs(self.steps.t[around] - self.times[i])
         nearest = around.start + int(np.argmin(gaps))
         is_there = float(np.min(gaps)) <= slack
-        if is_there and self.label[nearest] == 3 + self.exact[i].boundary:
+        if is_there and self.label[nearest] == ON_BELT + self.exact[i].boundary:
             return float(self.steps.t[nearest])
         return None
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.events import KIND_NAMES
-from symosc.friction import MODE_NAMES
+from symosc.engine.state import ON_BELT
+from symosc.friction import MODE_NAMES, NEIGHBOURS
 from symosc.simulation.trajectory import Event
 
 #: The codes of kinds and modes by their names.
@@ -120,9 +121,9 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
     for boundary, speed in ((1, K.belt1.v), (2, K.belt2.v)):
         gap = np.abs(v - speed)
-        sticks = steps.last == 3 + boundary
+        sticks = steps.last == ON_BELT + boundary
         held = np.append(sticks, False) | np.append(False, sticks)
-        label[(gap <= near) | ((gap <= drift) & held)] = 3 + boundary
+        label[(gap <= near) | ((gap <= drift) & held)] = ON_BELT + boundary
     return label
 
 
@@ -151,35 +152,37 @@ def find_events(
         is at `sample`.
         """
         nonlocal now
-        if now > 3:
-            entered = min((now - 3, now - 2), key=lambda d: abs(d - domain))
-            events.append(reader.event("slip", now - 3, now, entered, since, since, since))
+        if now > ON_BELT:
+            entered = min(NEIGHBOURS[now - ON_BELT], key=lambda d: abs(d - domain))
+            events.append(reader.event("slip", now - ON_BELT, now, entered, since, since, since))
             now = entered
         if now:
             if domain > now:
-                way = 1
+                direction = 1
             else:
-                way = -1
+                direction = -1
             # No domain is between a domain and itself.
             events.extend(
                 reader.event("cross", min(a, b), a, b, since, sample - 1, None)
-                for a, b in pairwise(range(now, domain + way, way))
+                for a, b in pairwise(range(now, domain + direction, direction))
                 if now != domain
             )
         now = domain
 
     for first, last in zip(starts.tolist(), ends.tolist(), strict=True):
         mode = int(label[first])
-        if mode <= 3:
+        if mode <= ON_BELT:
             move_to(mode, first)
         elif reader.is_stick(mode, first, last):
             if now:
-                if now > 3:
-                    before = now - 2.5
+                if now > ON_BELT:
+                    before = now - ON_BELT + 0.5  # a belt lies between its two domains
                 else:
                     before = now
-                move_to(min((mode - 3, mode - 2), key=lambda d: abs(d - before)), first)
-                events.append(reader.event("stick", mode - 3, now, mode, first - 1, first, first))
+                move_to(min(NEIGHBOURS[mode - ON_BELT], key=lambda d: abs(d - before)), first)
+                events.append(
+                    reader.event("stick", mode - ON_BELT, now, mode, first - 1, first, first)
+                )
             now = mode
         else:
             modes[first : last + 1] = 0
@@ -190,13 +193,13 @@ def find_events(
             target = int(steps.first[last])
             if not now:  # a start on the belt is not an event
                 source = now = target
-            if {source, target} == {mode - 3, mode - 2}:
+            if {source, target} == set(NEIGHBOURS[mode - ON_BELT]):
                 move_to(source, first)
                 events.append(
-                    reader.event("cross", mode - 3, source, target, first - 1, last, first)
+                    reader.event("cross", mode - ON_BELT, source, target, first - 1, last, first)
                 )
                 now = target
-            elif now > 3 or target != now:
+            elif now > ON_BELT or target != now:
                 continue
         since = last
     return events, modes
@@ -208,7 +211,13 @@ def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) 
     """
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     held[steps.events.step[steps.events.target == label[steps.events.step]]] = True
-    flown = (label[:-1] > 3) & (label[1:] == label[:-1]) & ~held & ~wrong & (np.diff(steps.t) > 0.0)
+    flown = (
+        (label[:-1] > ON_BELT)
+        & (label[1:] == label[:-1])
+        & ~held
+        & ~wrong
+        & (np.diff(steps.t) > 0.0)
+    )
     return np.append(False, flown)
 
 

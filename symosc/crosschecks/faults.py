@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from symosc.crosschecks.steps import ExactSteps
+from symosc.engine.state import ON_BELT
 from symosc.friction import MODE_NAMES
 
 #: Reasons by name, in words.
@@ -137,7 +138,7 @@ def _jump(step: WrongStep) -> str:
 
 
 def _drift(step: WrongStep) -> str:
-    belt = step.last - 3
+    belt = step.last - ON_BELT
     if belt <= 0 or step.mode != step.last:
         return ""
     gap = step.gaps[belt - 1, 1]
@@ -147,14 +148,14 @@ def _drift(step: WrongStep) -> str:
 
 
 def _wrong_force(step: WrongStep) -> str:
-    if not step.fitting or len(step.times) or step.first > 3:
+    if not step.fitting or len(step.times) or step.first > ON_BELT:
         return ""
     return f"the force of Omega{step.fitting[0]} explains the step, which lies in Omega{step.first}"
 
 
 def _event_at_start(step: WrongStep) -> str:
-    if step.first > 3 and step.mode <= 3:
-        return f"the mass sticks to belt {step.first - 3} here, the samples leave it ({step.here})"
+    if step.first > ON_BELT and step.mode <= ON_BELT:
+        return f"the mass sticks to belt {step.first - ON_BELT} here, the samples leave it ({step.here})"
     near_start = abs(step.gaps[step.nearest, 0]) <= step.near
     if step.fitting and near_start and (not len(step.times) or step.at_once):
         return f"the force of Omega{step.fitting[0]} explains the step ({step.here})"
@@ -162,10 +163,10 @@ def _event_at_start(step: WrongStep) -> str:
 
 
 def _sign_tolerance(step: WrongStep) -> str:
-    if step.mode <= 3 and step.first <= 3 and step.at_once:
+    if step.mode <= ON_BELT and step.first <= ON_BELT and step.at_once:
         return f"{step.here}: the step begins on the wrong side of the belt"
-    if step.mode > 3 and step.last <= 3 and step.mode_before == step.mode:
-        return f"the mass leaves belt {step.mode - 3}, the samples stay on it ({step.here})"
+    if step.mode > ON_BELT and step.last <= ON_BELT and step.mode_before == step.mode:
+        return f"the mass leaves belt {step.mode - ON_BELT}, the samples stay on it ({step.here})"
     return ""
 
 
@@ -180,7 +181,7 @@ def _double_root(step: WrongStep) -> str:
 
 def _outlier(step: WrongStep) -> str:
     i = step.i
-    if len(step.times) or i + 2 >= len(step.steps.t) or step.first > 3:
+    if len(step.times) or i + 2 >= len(step.steps.t) or step.first > ON_BELT:
         return ""
     left = step.over_next[step.first - 1]
     if not left <= step.limit:
@@ -219,6 +220,29 @@ GUESSES: tuple[tuple[str, Callable[[WrongStep], str]], ...] = (
 )
 
 
+def _first_guess(step: WrongStep) -> tuple[str, str]:
+    """Return the first of REASONS that fits a step, and how the step shows it."""
+    for reason, in_words in GUESSES:
+        words = in_words(step)
+        if words:
+            return reason, words
+    raise AssertionError("the last guess fits every step")
+
+
+def _flight_misses(
+    steps: ExactSteps, since: np.ndarray, count: int, allowed: np.ndarray
+) -> np.ndarray:
+    """Return how far flights over `count` steps miss the sample at their end, in units of the
+    allowed defect.
+
+    The flights begin at the samples numbered `since`; there is a row for the force of each domain.
+    """
+    until = np.minimum(since + count, len(steps.t) - 1)
+    ends = np.array([steps.flight(domain, since, until) for domain in (1, 2, 3)])
+    gaps = ends - steps.states[until]
+    return np.asarray(np.max(np.abs(gaps / allowed[since]), axis=2))
+
+
 def explain(
     steps: ExactSteps,
     chosen: Sequence[int],
@@ -235,18 +259,13 @@ def explain(
     it. A sample is on a belt if its v differs from the belt's speed by at most `near`.
     """
     since = np.array(chosen, dtype=int)
-    misses = []  # of flights with the force of each domain, to the next sample and to the one after
-    for n in (1, 2):
-        until = np.minimum(since + n, len(steps.t) - 1)
-        ends = np.array([steps.flight(domain, since, until) for domain in (1, 2, 3)])
-        gaps = ends - steps.states[until]
-        misses.append(np.max(np.abs(gaps / allowed[since]), axis=2))
-    to_next, over_next = misses
+    to_next = _flight_misses(steps, since, 1, allowed)
+    # Over two steps a flight shows whether the sample between them is the only wrong one.
+    over_next = _flight_misses(steps, since, 2, allowed)
     faults = []
     for k, i in enumerate(chosen):
         step = WrongStep(steps, i, modes, sizes, allowed, near, to_next[:, k], over_next[:, k])
-        guesses = ((reason, in_words(step)) for reason, in_words in GUESSES)
-        reason, words = next(guess for guess in guesses if guess[1])
+        reason, words = _first_guess(step)
         t, t_next = steps.t[i : i + 2].tolist()
         dx, dv = steps.defects[i].tolist()
         expected = MODE_NAMES[step.last]

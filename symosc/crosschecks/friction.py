@@ -11,7 +11,7 @@ import numpy as np
 
 from symosc.crosschecks.causes import Diagnosis, Explanation, FaultySteps, fitted, larger
 from symosc.crosschecks.models import rounded
-from symosc.engine.state import SLIP
+from symosc.engine.state import ON_BELT, SLIP
 from symosc.kernels._generated import acceleration
 from symosc.simulation.tables import counted
 
@@ -120,7 +120,7 @@ def drift(case: FaultySteps) -> Iterator[Explanation]:
     sticks = _find_sticks(case)
     if sticks is None:
         return
-    steps, which = np.unique(sticks.step, return_inverse=True)
+    steps, numbers = np.unique(sticks.step, return_inverse=True)
     wrong = case.wrong[steps]
 
     def misses(rate: np.ndarray) -> np.ndarray:
@@ -131,9 +131,10 @@ def drift(case: FaultySteps) -> Iterator[Explanation]:
                 for onto in (False, True)
             ]
         )
-        place = np.tile(which, 4)
-        order = np.lexsort((larger(rows), place))
-        return rows[order[np.unique(place[order], return_index=True)[1]]]
+        # Of the four ways of each step the one that misses least counts.
+        step_numbers = np.tile(numbers, 4)
+        order = np.lexsort((larger(rows), step_numbers))
+        return rows[order[np.unique(step_numbers[order], return_index=True)[1]]]
 
     fit = fitted(lambda rate: misses(rate)[wrong], np.zeros(1), np.array([1e-6 * case.scales[1]]))
     if fit is None:
@@ -154,7 +155,8 @@ def _find_sticks(case: FaultySteps) -> StickSteps | None:
     """Return the telling steps with a stick, and some right ones; None if no wrong step has one."""
     s = case.steps
     stuck = np.union1d(
-        np.flatnonzero((s.first > 3) | (s.last > 3)), s.events.step[s.events.target > 3]
+        np.flatnonzero((s.first > ON_BELT) | (s.last > ON_BELT)),
+        s.events.step[s.events.target > ON_BELT],
     )
     stuck = stuck[np.diff(s.t)[stuck] > 0.0]
     wrong = np.intersect1d(stuck, case.telling)
@@ -170,9 +172,9 @@ def _find_sticks(case: FaultySteps) -> StickSteps | None:
             end = float(times[slips[0]])
         else:
             end = float(s.t[i + 1])
-        onsets = np.flatnonzero(targets > 3)
-        if s.first[i] > 3:
-            rows.append((i, int(s.first[i]) - 3, s.t[i], s.x[i], s.v[i], end))
+        onsets = np.flatnonzero(targets > ON_BELT)
+        if s.first[i] > ON_BELT:
+            rows.append((i, int(s.first[i]) - ON_BELT, s.t[i], s.x[i], s.v[i], end))
         elif len(onsets):
             k = int(onsets[0])
             belt = int(belts[k])
@@ -181,8 +183,8 @@ def _find_sticks(case: FaultySteps) -> StickSteps | None:
             rows.append((i, belt, times[k], s.events.x[part][k], s.belts[belt - 1], end))
     if not rows or not len(wrong):
         return None
-    table = np.array(rows)
-    return StickSteps(table[:, 0].astype(int), table[:, 1].astype(int), *table[:, 2:].T)
+    step, boundary, *others = np.array(rows).T
+    return StickSteps(step.astype(int), boundary.astype(int), *others)
 
 
 def _misses_with_drift(
@@ -208,8 +210,8 @@ def _misses_with_drift(
     push = acceleration(x, speed, np.cos(theta + K.Om * time), A, K.cm, K.w0sq, K.f0)
     slope = -K.w0sq * speed - K.f0 * K.Om * np.sin(theta + K.Om * time)
     shift = np.where(ends & (slope != 0.0), -push / np.where(slope != 0.0, slope, 1.0), 0.0)
-    moved = np.abs(shift) <= 0.1 * (s.t[sticks.step + 1] - s.t[sticks.step])
-    time = np.where(moved, np.clip(time + shift, 0.0, lasts), time)
+    is_small = np.abs(shift) <= 0.1 * (s.t[sticks.step + 1] - s.t[sticks.step])
+    time = np.where(is_small, np.clip(time + shift, 0.0, lasts), time)
     x = sticks.x + sticks.v * time + 0.5 * rate * time**2
     v = sticks.v + rate * time
     begin = speed if onto else v

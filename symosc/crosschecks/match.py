@@ -117,35 +117,56 @@ def _are_alike(event: TimedEvent, own: TimedEvent) -> bool:
     return event.kind in ("", own.kind) and event.boundary in (0, own.boundary)
 
 
+class Chain(NamedTuple):
+    """The length of a chain of pairs, minus its cost, and the row of its last pair.
+
+    The best chain is the greatest: the longest and, among those, the cheapest.
+    """
+
+    length: int
+    minus_cost: float
+    last_row: int
+
+
+NO_CHAIN = Chain(0, 0.0, -1)
+
+
 def in_order(pairs: Iterable[tuple[int, int, float]]) -> list[tuple[int, int]]:
     """Return the longest chain of pairs (i, j, cost) with i and j increasing.
 
     Among these, the cheapest.
     """
+    # Of pairs with one i the largest j comes first, so that none of them follows another one.
     rows = sorted(pairs, key=lambda pair: (pair[0], -pair[1]))
-    # A Fenwick tree over j: the best chain (length, -cost, its last row) that ends before a given
-    # j.
-    tree = [(0, 0.0, -1)] * (max((j for _, j, _ in rows), default=-1) + 2)
-    links = []
+    # `tree` is a Fenwick tree over j, for maxima: its entry k holds the best chain that ends with
+    # one of the j from k minus the lowest bit of k up to k - 1.
+    tree = [NO_CHAIN] * (max((j for _, j, _ in rows), default=-1) + 2)
+    previous_rows = []
 
-    def best_before(j: int) -> tuple[int, float, int]:
-        best = tree[0]
+    def best_before(j: int) -> Chain:
+        """Return the best chain among those that end before j."""
+        best = NO_CHAIN
         while j > 0:
             best = max(best, tree[j])
-            j = j & (j - 1)
+            j = j & (j - 1)  # without its lowest bit
         return best
 
-    for row, (_, j, cost) in enumerate(rows):
-        length, gain, link = best_before(j)
-        links.append(link)
-        entry = (length + 1, gain - cost, row)
+    def enter(j: int, chain: Chain) -> None:
+        """Note a chain that ends with j in all entries whose range has j."""
         k = j + 1
         while k < len(tree):
-            tree[k] = max(tree[k], entry)
-            k += k & -k
-    chain = []
-    row = best_before(len(tree) - 1)[2]
+            tree[k] = max(tree[k], chain)
+            k += k & -k  # its lowest bit
+
+    for row, (_, j, cost) in enumerate(rows):
+        before = best_before(j)
+        previous_rows.append(before.last_row)
+        enter(j, Chain(before.length + 1, before.minus_cost - cost, row))
+    # The best chain of all, from its last pair to its first.
+    backwards = []
+    row = best_before(len(tree) - 1).last_row
     while row >= 0:
-        chain.append(rows[row][:2])
-        row = links[row]
-    return chain[::-1]
+        i, j, _ = rows[row]
+        backwards.append((i, j))
+        row = previous_rows[row]
+    return backwards[::-1]

@@ -18,6 +18,7 @@ from symosc.crosschecks.causes import (
     best_between,
     larger,
 )
+from symosc.engine.state import ON_BELT
 from symosc.kernels._generated import acceleration
 from symosc.simulation.tables import counted
 
@@ -98,12 +99,11 @@ def _best_ways(
 
     zero = np.zeros(len(room))
     part, leaves = best_between(misses, zero, zero + 1.0, DELAY_GRID, zero + 0.5, rounds)
-    order = np.lexsort((leaves, ways.step))
+    order = np.lexsort((leaves, ways.step))  # by step, the best way first
     begins = np.unique(ways.step[order], return_index=True)[1]
-    place = (
-        np.arange(len(order)) - begins[np.searchsorted(begins, np.arange(len(order)), "right") - 1]
-    )
-    return order[place < most], part, leaves
+    rows = np.arange(len(order))
+    rank = rows - begins[np.searchsorted(begins, rows, "right") - 1]  # among the ways of its step
+    return order[rank < most], part, leaves
 
 
 def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
@@ -119,7 +119,7 @@ def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
         if here == 0:
             belt = 1 + int(np.argmin(np.abs(s.v[i] - s.belts)))
             if i == 0 or case.domain[i - 1] == 0:
-                modes = [3 + belt]
+                modes = [ON_BELT + belt]
             else:
                 modes = [int(case.domain[i - 1])]
             old += [(mode, belt, s.t[i], state) for mode in modes if mode != s.first[i]]
@@ -135,10 +135,18 @@ def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
             mode = int(s.events.target[k])
             state = (s.events.t[k], s.events.x[k], s.belts[belt - 1], s.events.theta[k])
         for mode, belt, begin, state in old:
-            ends = ((belt, 0), (belt + 1, 0), (3 + belt, belt), (belt, belt), (belt + 1, belt))
-            rows += [(i, mode, *end, begin, *state) for end in ends if end != (mode, 0)]
-    table = np.array(rows, dtype=float).reshape(-1, 9).T
-    return Delays(*table[:4].astype(int), *table[4:])
+            # Each way to go on is the new mode, and the belt whose speed v takes (0: it keeps v).
+            ways_on = (
+                (belt, 0),
+                (belt + 1, 0),
+                (ON_BELT + belt, belt),
+                (belt, belt),
+                (belt + 1, belt),
+            )
+            rows += [(i, mode, *way_on, begin, *state) for way_on in ways_on if way_on != (mode, 0)]
+    table = np.array(rows, dtype=float).reshape(-1, len(Delays._fields)).T
+    step, source, target, onto = table[:4].astype(int)
+    return Delays(step, source, target, onto, *table[4:])
 
 
 def _delayed_misses(case: FaultySteps, ways: Delays, time: np.ndarray) -> np.ndarray:
@@ -157,8 +165,8 @@ def _moved(
     """Return x and v after times `tau` in the given modes, without any event."""
     s = case.steps
     x, v = state
-    held = mode > 3
-    speed = s.belts[np.where(held, mode - 4, 0)]
+    held = mode > ON_BELT
+    speed = s.belts[np.where(held, mode - ON_BELT - 1, 0)]
     flown = s.fly(np.where(held, 1, mode), x, v, theta, tau).T
     return np.where(held, [x + speed * tau, speed], flown)
 
@@ -168,7 +176,7 @@ def _late_words(case: FaultySteps, ways: Delays, delay: np.ndarray, whole: np.nd
     count = len(delay)
     first = f"the first wrong one begins at t = {float(case.steps.t[ways.step[0]]):.10g}"
     known = ways.begin > case.steps.t[ways.step]  # those with the event in the step
-    held = ways.source > 3
+    held = ways.source > ON_BELT
     if np.all(held):
         words = (
             "sticks end too late: the samples go on with the belt where it does not hold any more "
@@ -208,7 +216,7 @@ def _friction_at_ends(case: FaultySteps, ways: Delays, delay: np.ndarray) -> tup
     if not np.any(ends):
         return np.nan, np.inf
     time = (ways.begin + delay - ways.t)[ends]
-    belt = ways.source[ends] - 3
+    belt = ways.source[ends] - ON_BELT
     x = ways.x[ends] + s.belts[belt - 1] * time
     A = np.array([K.A1, K.A2, K.A3])
     half = 0.5 * (A[belt - 1] - A[belt])
@@ -261,7 +269,7 @@ def _gone_over_words(
         belt = 1 + np.argmin(np.abs(s.v[:, None] - s.belts), axis=1)
         gap = s.v - s.belts[belt - 1]
         near = np.flatnonzero(
-            case.wrong[1:] & case.wrong[:-1] & (s.last[1:] > 3) & (s.last[:-1] > 3)
+            case.wrong[1:] & case.wrong[:-1] & (s.last[1:] > ON_BELT) & (s.last[:-1] > ON_BELT)
         )
         changes = np.diff(gap)
         turned = 0.0
@@ -300,8 +308,8 @@ def _mixtures(
     belt's speed, unless `any_stick` allows all sticks.
     """
     s = case.steps
-    sticks = (s.last[steps] > 3) | (s.first[steps] > 3)
-    sticks |= np.isin(steps, s.events.step[s.events.target > 3])
+    sticks = (s.last[steps] > ON_BELT) | (s.first[steps] > ON_BELT)
+    sticks |= np.isin(steps, s.events.step[s.events.target > ON_BELT])
     fits = np.zeros(len(steps), bool)
     parts = np.zeros(len(steps))
     begin = s.v[steps]
@@ -315,22 +323,26 @@ def _mixtures(
         below, above = (s.flight(belt + side, steps, steps + 1) for side in (0, 1))
         gap = below - above
         exact = s.states[steps + 1] + s.defects[steps]
+        # For which part of the step the force below acts: in the samples and in the exact motion,
+        # judged by v.
         part, right = (
             state[:, 1] / gap[:, 1] for state in (s.states[steps + 1] - above, exact - above)
         )
-        way = (s.states[steps + 1] - above)[:, 0] / gap[:, 0]
-        # The force below acts first, or last, or in between.
-        bounded = (way >= part**2 - in_x) & (way <= 2.0 * part - part**2 + in_x)
+        part_of_x = (s.states[steps + 1] - above)[:, 0] / gap[:, 0]
+        # The force below acts last (part^2 of its effect on x), or first, or in between.
+        bounded = (part_of_x >= part**2 - in_x) & (part_of_x <= 2.0 * part - part**2 + in_x)
         bounded &= (part >= -in_v) & (part <= 1.0 + in_v)
         passes = (begin - speed) * (end - speed) < 0.0
         passes |= np.isin(steps, s.events.step[s.events.boundary == belt])
         # Where the exact motion sticks in the step, a stick with a fault looks like a mixture too:
         # v has to be about the belt's speed, as near as at the ends of steps that end in a stick.
         reach = np.abs(gap[:, 1])  # what friction can do within the step
-        about = (s.last[steps] == 3 + belt) & (end != speed) & (np.abs(end - speed) <= reach)
+        about = (s.last[steps] == ON_BELT + belt) & (end != speed) & (np.abs(end - speed) <= reach)
         nearest = np.max(np.abs(end - speed)[about], initial=0.0)
         begins = sticks & (begin != speed) & (np.abs(begin - speed) <= nearest)
-        leaves = (s.last[np.maximum(steps - 1, 0)] == 3 + belt) & (np.abs(begin - speed) <= reach)
+        leaves = (s.last[np.maximum(steps - 1, 0)] == ON_BELT + belt) & (
+            np.abs(begin - speed) <= reach
+        )
         about |= leaves & (begin != speed)
         passes &= ~sticks | begins | any_stick
         here = bounded & (passes | about)

@@ -25,6 +25,7 @@ from symosc.crosschecks.causes import (
 )
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
+from symosc.engine.state import ON_BELT
 from symosc.kernels._generated import acceleration
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.simulation.tables import counted
@@ -132,6 +133,7 @@ def _wrong_signs(case: FaultySteps) -> Iterator[Explanation]:
     p = case.parameters
     K = case.steps.K
     steps = case.telling
+    # A0 minus the friction, in place of A0 plus the friction.
     against = tuple(float((2 * p.A0 - p.A(alpha)) / p.m) for alpha in (1, 2, 3))
     right = (K.A1, K.A2, K.A3)
     for name, present, what, forces, damping, spring in (
@@ -305,17 +307,15 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
     second = _replaced(p, **{name: value})
     if second is not None:
         return Arithmetic(second).K
-    if name in (
-        "mu1",
-        "mu2",
-        "FN",
-    ):  # beyond 0, for a derivative at 0: the forces are linear in them
-        low, high = (Arithmetic(p.replace(**{name: part})).K for part in (0, abs(value)))
+    if name in ("mu1", "mu2", "FN"):
+        # A difference quotient at 0 takes a value below 0. The forces are linear in it, and follow
+        # from those at 0 and at its mirror image.
+        at_zero, at_image = (Arithmetic(p.replace(**{name: size})).K for size in (0, abs(value)))
         changes = {
-            field: 2 * getattr(low, field) - getattr(high, field)
+            field: 2 * getattr(at_zero, field) - getattr(at_image, field)
             for field in ("cm", "w0sq", "A1", "A2", "A3")
         }
-        return low._replace(**changes)
+        return at_zero._replace(**changes)
     return None
 
 
@@ -336,15 +336,18 @@ def _fit_belt(case: FaultySteps, name: str) -> FittedNumber | None:
 
     step = np.diff(s.t)
     start = np.array([float(getattr(p, name))])
-    still = (np.abs(np.diff(s.v)) <= 0.1 * case.allowed[:, 1]) & (step > 0.0)
-    still &= np.abs(np.diff(s.x) - s.v[:-1] * step) <= case.allowed[:, 0]
-    speeds = s.v[:-1][still & case.wrong]
-    near = speeds[
-        np.abs(speeds - start[0]) < np.abs(speeds - float(p.v2 if name == "v1" else p.v1))
-    ]
-    if len(near) >= 2:
+    # Steps that move at one velocity are sticks: on this belt if they are nearer to its speed.
+    is_steady = (np.abs(np.diff(s.v)) <= 0.1 * case.allowed[:, 1]) & (step > 0.0)
+    is_steady &= np.abs(np.diff(s.x) - s.v[:-1] * step) <= case.allowed[:, 0]
+    speeds = s.v[:-1][is_steady & case.wrong]
+    if name == "v1":
+        other_speed = float(p.v2)
+    else:
+        other_speed = float(p.v1)
+    own_speeds = speeds[np.abs(speeds - start[0]) < np.abs(speeds - other_speed)]
+    if len(own_speeds) >= 2:
         error = np.array([float(case.allowed[0, 1])])
-        return FittedNumber(np.array([float(np.median(near))]), error, larger(misses(start)))
+        return FittedNumber(np.array([float(np.median(own_speeds))]), error, larger(misses(start)))
     if len(chosen):
         return fitted(misses, start, _tick(p, name))
     return None
@@ -360,13 +363,15 @@ def _frequencies(case: FaultySteps, flights: np.ndarray) -> np.ndarray:
     tau = end - begin
     # The mean of x over a step is that of the cubic through its ends.
     x = 0.5 * (s.x[flights] + s.x[after]) + tau * (s.v[flights] - s.v[after]) / 12.0
+    # What is left of the mean acceleration without damper, spring and friction is the drive.
     rest = (s.v[after] - s.v[flights]) / tau + K.cm * (s.x[after] - s.x[flights]) / tau + K.w0sq * x
     rest -= np.array([K.A1, K.A2, K.A3])[case.domain[flights] - 1]
     grid = np.arange(1, MOST_FREQUENCIES + 1) * min(
         0.5 / (end[-1] - begin[0]), 100.0 * K.Om / MOST_FREQUENCIES
     )
-    made = (np.sin(np.outer(grid, end)) - np.sin(np.outer(grid, begin))) / np.outer(grid, tau)
-    left = np.median(np.abs(K.f0 * made - rest), axis=1)
+    # The mean of cos(Omega t) over each step, for each Omega of the grid.
+    cosines = (np.sin(np.outer(grid, end)) - np.sin(np.outer(grid, begin))) / np.outer(grid, tau)
+    left = np.median(np.abs(K.f0 * cosines - rest), axis=1)
     return np.asarray(grid[np.argsort(left)[:FEW_FAR]])
 
 
@@ -394,13 +399,11 @@ def phases_of_drive(case: FaultySteps) -> Iterator[Explanation]:
 
     if turn is not None:
         fit = fitted(lambda q: case.flight_misses(K, float(q[0]), flights), np.array([turn]), tick)
-    elif len(case.wrong) <= MOST_FLOWN and len(
-        chosen
-    ):  # all steps, also those with events: the best of a grid
+    elif len(case.wrong) <= MOST_FLOWN and len(chosen):
+        # Too few flights: steps with events are used too, and the fit begins at the best of a grid.
         turns = np.linspace(-pi, pi, 48, endpoint=False).reshape(-1, 1)
-        fit = fitted(
-            misses, min(turns, key=lambda turn: float(np.median(larger(misses(turn))))), tick
-        )
+        best = min(turns, key=lambda turn: float(np.median(larger(misses(turn)))))
+        fit = fitted(misses, best, tick)
     if fit is not None:
         yield from _shift_or_phase(
             case, remainder(float(fit.value[0]), 2.0 * pi), float(fit.error[0])
@@ -468,10 +471,10 @@ def _shift_or_phase(case: FaultySteps, turn: float, error: float) -> Iterator[Ex
         off = np.zeros(3)
     else:
         off = np.abs(np.array([s.t[0], s.x[0], s.v[0]]) - start)
-    at_start = start is not None and not (
-        not case.offset
-        and np.any(off > [4.0 * np.spacing(abs(start[0])), *(1e3 * case.allowed[0])])
-    )
+    at_start = False
+    if start is not None:
+        limits = [4.0 * np.spacing(abs(start[0])), *(1e3 * case.allowed[0])]
+        at_start = bool(case.offset) or not np.any(off > limits)
     if not at_start:
         yield moved
     if at_start or start is None:
@@ -485,7 +488,7 @@ def jumps_of_clock(case: FaultySteps) -> Iterator[Explanation]:
     """
     s = case.steps
     i = int(case.moving_wrong[0])
-    held = bool(s.first[i] > 3 and s.last[i] == s.first[i] and i not in s.events.step)
+    held = bool(s.first[i] > ON_BELT and s.last[i] == s.first[i] and i not in s.events.step)
     if not (held or i in case.inside) or i + case.offset == 0:
         return
     domain = case.domain[[i]]

@@ -147,6 +147,10 @@ class StepEvents(NamedTuple):
         return slice(*np.searchsorted(self.step, [first, last + 1]))
 
 
+#: The columns of `StepEvents` that are no floats.
+INTEGER_COLUMNS = ("step", "kind", "boundary", "target")
+
+
 @dataclass(frozen=True)
 class ExactSteps:
     """The exact motion from each sample to the next one."""
@@ -372,9 +376,10 @@ def _follow(
     undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(undecided):
         singles = [event for i in undecided.tolist() for event in _follow_one(batch, rows, i, K)]
-        columns = np.array(singles, dtype=float).reshape(-1, 7).T
-        step, kind, boundary, target = columns[[0, 4, 5, 6]].astype(int)
-        others = StepEvents(step, columns[1], columns[2], columns[3], kind, boundary, target)
+        columns = StepEvents(*np.array(singles, dtype=float).reshape(-1, len(StepEvents._fields)).T)
+        others = columns._replace(
+            **{name: getattr(columns, name).astype(int) for name in INTEGER_COLUMNS}
+        )
         events = _merged(events, others, undecided)
     modes = batch.states["mode"].astype(int)
     ends = _ends(rows, modes, left, events, K)
@@ -453,12 +458,14 @@ def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tu
 
 
 def _merged(events: StepEvents, others: StepEvents, steps: np.ndarray) -> StepEvents:
-    """Replace the events of `steps` by those in `others`."""
-    kept = ~np.isin(events.step, steps)
-    taken = np.isin(others.step, steps)
-    columns = [
-        np.concatenate([one[kept], replaced[taken]])
-        for one, replaced in zip(events, others, strict=True)
-    ]
-    order = np.lexsort((columns[1], columns[0]))
-    return StepEvents(*(column[order] for column in columns))
+    """Return all events, in which those of `steps` are replaced by those in `others`."""
+    is_kept = ~np.isin(events.step, steps)
+    is_taken = np.isin(others.step, steps)
+    merged = StepEvents(
+        *(
+            np.concatenate([column[is_kept], replacement[is_taken]])
+            for column, replacement in zip(events, others, strict=True)
+        )
+    )
+    order = np.lexsort((merged.t, merged.step))  # by step, then by time: lexsort's last key leads
+    return StepEvents(*(column[order] for column in merged))

@@ -11,6 +11,7 @@ from symosc.crosschecks.events import CODES, MODES
 from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.flow import derivatives
 from symosc.engine.next_event import passing_time
+from symosc.engine.state import ON_BELT
 from symosc.friction import NEIGHBOURS
 from symosc.kernels._generated import acceleration
 from symosc.simulation.trajectory import Event, Trajectory
@@ -59,7 +60,7 @@ class TimeTolerances:
         before = int(self.steps.first[step] if starts else events.target[row - 1])
         source = min(before, 3)
         if events.kind[row] == CODES["slip"]:
-            source = 3 + boundary
+            source = ON_BELT + boundary
         t, x, theta = (float(column[row]) for column in (events.t, events.x, events.theta))
         return self._tolerance(t, x, theta, boundary, source)
 
@@ -83,7 +84,7 @@ class TimeTolerances:
         if not inside:
             return None
         mode = MODES[trajectory.mode(time)]
-        if mode > 3:
+        if mode > ON_BELT:
             return None
         K = self.steps.K
         x, v = (float(value) for value in trajectory(time))
@@ -129,7 +130,7 @@ class TimeTolerances:
         s = sin(theta)
         c = cos(theta)
         rate = max(K.Om, sqrt(K.w0sq))
-        if source > 3:  # the force passes 0, with known derivatives
+        if source > ON_BELT:  # the force passes 0, with known derivatives
             error = K.w0sq * dx + rate * self.allowed_v
             slopes = -(K.w0sq * v + K.fB * s), -K.fB * K.Om * c, K.fB * K.Om * K.Om * s
         else:  # the velocity passes the belt's

@@ -53,6 +53,8 @@ GOOD_FIT = 1.1
 # by HOPELESS times as much is not fitted to those of a longer one.
 WORST_FIT = 4.0
 HOPELESS = 10.0
+# Velocities of steps have a row for the flight in each domain, then one for the stick on each belt.
+FLIGHT_ROWS = 3
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
@@ -144,21 +146,23 @@ def _from_positions(
     tau = np.diff(t)
     shortest = np.minimum(np.append(tau, np.inf), np.insert(tau, 0, np.inf))
     longest = np.maximum(np.append(tau, 0.0), np.insert(tau, 0, 0.0))
+    # How far v is off where both ends of the shorter step beside a sample are off by one unit.
     per_x = 2.0 / np.where(shortest > 0.0, shortest, np.where(longest > 0.0, longest, 1.0))
     theta = phases(p, t)
     size = float(np.max(np.abs(x)))
     starts, ends = _flight_velocities(t, x, theta, K)
     allowed = per_x * (tolerance * size + rounded)
     gaps = _nearest(starts, ends)[0]
-    fly = gaps <= 4.0 * allowed[1:-1]
-    if fly.any():
-        noise = 20.0 * float(np.median((gaps / per_x[1:-1])[fly]))
+    is_flown = gaps <= 4.0 * allowed[1:-1]
+    if is_flown.any():
+        noise = 20.0 * float(np.median((gaps / per_x[1:-1])[is_flown]))
     else:
         noise = tolerance * size
     noise += 8.0 * float(np.spacing(size))
-    belts = np.array([[K.belt1.v], [K.belt2.v]])  # the velocities of steps that can be sticks
-    keeps = np.abs(np.diff(x) - belts * tau) <= (noise + rounded)[:-1] + (noise + rounded)[1:]
-    held = np.where(keeps & (tau > 0.0), belts, np.nan)
+    # A step that moves as far as a belt can be a stick; both its ends have the belt's velocity.
+    belts = np.array([[K.belt1.v], [K.belt2.v]])
+    keeps_up = np.abs(np.diff(x) - belts * tau) <= (noise + rounded)[:-1] + (noise + rounded)[1:]
+    held = np.where(keeps_up & (tau > 0.0), belts, np.nan)
     starts = np.concatenate([starts, held])
     ends = np.concatenate([ends, held])
     off = np.minimum(per_x * (noise + rounded), allowed)
@@ -168,9 +172,8 @@ def _from_positions(
     if np.isnan(v[0]) and _is_start(scene, samples, tolerance * size + rounded[0]):
         v[0] = float(scene.v0)
     pairs = np.flatnonzero(np.isfinite(gaps))
-    if (
-        np.isnan(v).all() and len(pairs) >= 20
-    ):  # positions of no exact motion: those of the first steps show it
+    if np.isnan(v).all() and len(pairs) >= 20:
+        # These are positions of no exact motion: velocities of the first steps show that.
         v = _agreed(starts, ends, left, right, pairs[:1])
     if np.isnan(v).all():
         raise ParameterError(
@@ -179,9 +182,8 @@ def _from_positions(
     left_out = (
         "samples at the beginning that are left out, since the positions do not tell their velocity"
     )
-    known = int(
-        np.argmax(~np.isnan(v))
-    )  # before it an event hides the velocity at which the first step began
+    # Before the first known velocity an event hides that at which the first step began.
+    known = int(np.argmax(~np.isnan(v)))
     if known == 0:
         notes = (*samples.notes, NOTE)
     else:
@@ -265,7 +267,8 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
     count = max(8, int(np.searchsorted(t, t[0] + 1.0 / fastest_rate(p))))
     tau = t[:count] - t[0]
     few = max(3, int(np.searchsorted(tau, 0.3 / fastest_rate(p))))
-    slope = np.polyfit(tau[:few] / tau[-1], x[:few], min(2, len(tau) - 1))[-2] / tau[-1]
+    coefficients = np.polyfit(tau[:few] / tau[-1], x[:few], min(2, len(tau) - 1))
+    slope = coefficients[-2] / tau[-1]  # that of the parabola at its start
     moving = np.diff(tau) > 0.0
     chords = np.diff(x[:count])[moving] / np.diff(tau)[moving]
     # A belt that is much faster than all steps is not met in them.
@@ -403,13 +406,16 @@ def _agreed(
     right = right[sure]
     # Positions hardly show when in a step a stick begins: where no step before tells v at its start,
     # the exact motion does.
-    flown_to = (left < 3) | (sure != 1)
+    flown_to = (left < FLIGHT_ROWS) | (sure != 1)
     v[sure[flown_to]] = starts[left, sure][flown_to]
     v[sure + 2] = ends[right, sure + 1]
     arrives = ends[left, sure]
     leaves = starts[right, sure + 1]
     # A belt's velocity is exact.
-    v[sure + 1] = np.where(left > 2, arrives, np.where(right > 2, leaves, 0.5 * (arrives + leaves)))
+    is_on_belt = left >= FLIGHT_ROWS
+    leaves_belt = right >= FLIGHT_ROWS
+    mean = 0.5 * (arrives + leaves)
+    v[sure + 1] = np.where(is_on_belt, arrives, np.where(leaves_belt, leaves, mean))
     return v
 
 

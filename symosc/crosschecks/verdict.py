@@ -61,6 +61,9 @@ STICK_DRIFT = 1e-4
 # A global error adds up the errors of so many steps, but is no larger than a part of the motion.
 STEPS_ADDED = 1000.0
 LARGEST_LIMIT = 0.01
+# That of rounded samples is so many last places, or so many tolerances where that is more.
+LIMIT_IN_PLACES = 5.0
+LIMIT_IN_TOLERANCES = 100.0
 # Reasons of wrong steps that have nothing to do with a belt.
 WITHOUT_BELT = ("local error", "outlier")
 
@@ -290,6 +293,7 @@ def _cut_off(comparison: Comparison) -> Verdict | None:
     numbers = np.stack([samples.t, samples.x, samples.v])
     for way, sign in (("cut off", np.sign(numbers)), ("rounded down", np.ones_like(numbers))):
         moved = comparison.task.with_columns(*(numbers + half * sign))
+        # A 0 stays: it may have been cut off from a whole unit on either side.
         again = Comparison(moved, half * (2.0 - np.abs(sign)), comparison.listed)
         if not (again.is_close and again.is_right):
             continue
@@ -408,8 +412,8 @@ class Comparison:
         self.rounding = rounding
         self.listed = listed
         self.loose = sample_errors(task.parameters, task.samples, rounding)
-        self._compare_states()
-        self._compare_steps()
+        self._compare_states()  # sets start, trajectory, until, scales, errors and limits
+        self._compare_steps()  # sets near, allowed, steps, wrong and spans
 
     def _compare_states(self) -> None:
         """Compute the exact motion and the global errors, NaN after its end."""
@@ -454,9 +458,11 @@ class Comparison:
         loose = self.loose
         limits = task.limit * self.scales
         if task.given_limit is None and np.any(self.rounding):
-            places = 5.0 * 2.0 * np.max(loose, axis=0)
-            few = np.minimum(limits, np.maximum(places, 100.0 * task.tolerance * self.scales))
-            limits = np.where(places > 0.0, few, limits)
+            # Rounding makes errors of half a last place.
+            places = LIMIT_IN_PLACES * 2.0 * np.max(loose, axis=0)
+            tolerated = LIMIT_IN_TOLERANCES * task.tolerance * self.scales
+            limits_of_rounded = np.minimum(limits, np.maximum(places, tolerated))
+            limits = np.where(places > 0.0, limits_of_rounded, limits)
         since = task.samples.t - task.samples.t[0]
         return np.asarray(limits + loose + propagated(task.parameters, loose[0], since))
 

@@ -186,12 +186,20 @@ class ReferenceCase:
         """The certificate of the events and of all provable derivatives; if nothing is proven, it
         says why.
         """
-        if not self.open and not self.periods and not any(self.scene.start_error or ()):
+        if self._may_prove_derivatives:
             wrt = provable(self.parameters, self.v0)
             certificate = certify(self.scene, digits=GIVEN_DIGITS, wrt=wrt)
             if certificate.proven:
                 return certificate
+        # Events may be proven where derivatives are not.
         return certify(self.scene, digits=GIVEN_DIGITS)
+
+    @property
+    def _may_prove_derivatives(self) -> bool:
+        """Whether the certificate can enclose derivatives too."""
+        # Not where the events themselves are not proven, nor for a start that is not known exactly.
+        # A long run is proven by the orbit on which it settles, without derivatives.
+        return not self.open and not self.periods and not any(self.scene.start_error or ())
 
     @property
     def proven(self) -> bool:

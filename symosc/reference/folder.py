@@ -103,7 +103,16 @@ def write_cases(
 def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
     """Return the texts of a case's files by their names, and its row in the table of cases."""
     events = (
-        (*event.t, *event.x, *event[2:], f"{condition:.3g}")
+        (
+            *event.t,
+            *event.x,
+            event.kind,
+            event.boundary,
+            event.source,
+            event.target,
+            event.word,
+            f"{condition:.3g}",
+        )
         for event, condition in zip(case.events, case.conditions, strict=True)
     )
     changes = (
@@ -190,6 +199,8 @@ def _samples(case: ReferenceCase) -> list[tuple[str, str, str, str]]:
     span = scene.t_end - scene.t0
     times = [float(scene.t0 + span * i / SAMPLE_STEPS) for i in range(SAMPLE_STEPS + 1)]
     times = [min(max(t, float(motion.t_start)), float(motion.t_end)) for t in times]
+    # The second number of a row keeps rows at one time in order: a sample, then each event's state
+    # before and after it.
     states = zip(times, *motion(times).tolist(), motion.mode(times).tolist(), strict=True)
     rows = [(t, 0, *state) for t, *state in states]
     for i, event in enumerate(motion.events, 1):

@@ -124,7 +124,7 @@ def test_objects_of_python_are_not_loaded(tmp_path: Path) -> None:
     np.savez(tmp_path / "trap.npz", t=T, x=np.array([Trap()] * 60), v=V)
     one_line(tmp_path / "trap.npz", "not of Python objects")
     np.save(tmp_path / "trap.npy", np.array([Trap()] * 60))
-    one_line(tmp_path / "trap.npy", "not an npz file")
+    one_line(tmp_path / "trap.npy", "not a readable npz file")
     assert not (tmp_path / "sprung").exists()
 
 
@@ -147,7 +147,9 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
     pandas.DataFrame({"t": T, "x": X, "w": V}).to_parquet(tmp_path / "other.parquet")
     one_line(tmp_path / "other.parquet", "column = 'v': is missing", "there are: t, x, w")
     (tmp_path / "none.parquet").write_bytes(b"PAR1" * 9)
-    with pytest.raises(ParameterError, match=r"is not a parquet file, or it is damaged: \w.*\w"):
+    with pytest.raises(
+        ParameterError, match=r"is not a readable parquet file, or is damaged: \w.*\w"
+    ):
         read_samples(tmp_path / "none.parquet")
 
 
@@ -362,7 +364,7 @@ def test_a_damaged_one_is_refused(at: int, value: int, tmp_path: Path) -> None:
     data[at] = value
     assert has_wrong_tags(bytes(data))
     (tmp_path / "run.mat").write_bytes(data)
-    with pytest.raises(ParameterError, match="is not a MATLAB file, or it is damaged"):
+    with pytest.raises(ParameterError, match="is not a readable MATLAB file, or is damaged"):
         read_samples(tmp_path / "run.mat")
 
 

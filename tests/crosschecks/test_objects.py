@@ -444,4 +444,4 @@ def test_npz_files(tmp_path: Path) -> None:
     content = path.read_bytes()
     for damaged in (b"", b"no zip", content[: len(content) // 2], b"\x80\x04]."):
         path.write_bytes(damaged)
-        one_line(lambda: crosscheck("fig9", path), "is not an npz file")
+        one_line(lambda: crosscheck("fig9", path), "is not a readable npz file")

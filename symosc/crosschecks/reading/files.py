@@ -23,8 +23,8 @@ Reader = Callable[[IO[bytes], Asked | None, str], Any]
 
 
 class Format(NamedTuple):
-    """A format of files: its name for messages, "" if the messages of its reader are clear, and the
-    reader.
+    """A format of files: its name before "file" in messages, "" if those of its reader are clear,
+    and the reader.
     """
 
     name: str
@@ -32,15 +32,15 @@ class Format(NamedTuple):
 
 
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
-OCTAVE = Format("a file of Octave", formats.read_octave)
+OCTAVE = Format("Octave", formats.read_octave)
 #: The formats other than text, by suffix.
 FORMATS: dict[str, Format] = {
     ".json": Format("", formats.read_json),
-    **dict.fromkeys((".npz", ".npy"), Format("an npz file", formats.read_numpy)),
-    ".mat": Format("a MATLAB file", formats.read_mat),
-    **dict.fromkeys((".parquet", ".pq"), Format("a parquet file", formats.read_parquet)),
-    **dict.fromkeys((".feather", ".arrow"), Format("a feather file", formats.read_feather)),
-    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), Format("an HDF5 file", formats.read_hdf5)),
+    **dict.fromkeys((".npz", ".npy"), Format("npz", formats.read_numpy)),
+    ".mat": Format("MATLAB", formats.read_mat),
+    **dict.fromkeys((".parquet", ".pq"), Format("parquet", formats.read_parquet)),
+    **dict.fromkeys((".feather", ".arrow"), Format("feather", formats.read_feather)),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), Format("HDF5", formats.read_hdf5)),
 }
 SUFFIXES = (*TEXT_SUFFIXES, *FORMATS)
 PACKED: dict[str, Callable[[Any], Any]] = {".gz": gzip.open, ".bz2": bz2.open, ".xz": lzma.open}
@@ -79,7 +79,7 @@ def read_file(
     try:
         with _opened(path, where) as file:
             library, read = _format_of(path, file, where, read_table)
-            if library and isinstance(file.raw, _Unpacked):  # libraries seek
+            if library and isinstance(file.raw, _Unpacked):  # libraries seek, which it cannot
                 return read(io.BytesIO(formats.whole(file, where)), asked, where)
             return read(file, asked, where)
     except SymoscError:
@@ -95,7 +95,7 @@ def _reason(error: Exception, library: str) -> str:
         return "cannot be read: it does not fit into memory"
     if library:
         said = f": {brief(first)}" if first else ""
-        return f"is not {library}, or it is damaged{said}"
+        return f"is not a readable {library} file, or is damaged{said}"
     match error:
         case gzip.BadGzipFile() | lzma.LZMAError() | zlib.error() | EOFError():
             reason = "it is damaged, or cut off"

@@ -277,8 +277,10 @@ def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     cells = list[Any]()
     for line in lines:
         if line.startswith("# name: "):
-            name = line[8:]
-        kind = line[8:] if line.startswith("# type: ") else ""
+            name = line.removeprefix("# name: ")
+        kind = ""
+        if line.startswith("# type: "):
+            kind = line.removeprefix("# type: ")
         if kind == "cell":
             cells = []
             variables[name] = cells
@@ -298,11 +300,13 @@ def _octave_value(kind: str, lines: Iterator[str]) -> Any:
     """
 
     def number(name: str, line: str = "") -> int:
+        """Return the number in a line "# name: number", which is the next one if none is given."""
         return int((line or next(lines)).removeprefix(f"# {name}: "))
 
     if kind.endswith("range"):
-        next(lines)
+        next(lines)  # a comment that names the three numbers
         base, limit, increment = map(float, next(lines).split())
+        # Rounding of the quotient must not lose the last number.
         count = int((limit - base) / increment * (1 + 1e-15) + 1e-9) + 1
         return _octave_range(base, limit, increment, count)
     if kind.endswith("string"):
@@ -329,15 +333,22 @@ def _octave_value(kind: str, lines: Iterator[str]) -> Any:
 # -- MATLAB ----------------------------------------------------------------------------------------
 
 MAT_HEADER = 128
+# Types of data elements of version 5: a matrix, and numbers, a packed matrix, or text.
+MATRIX_TYPE = 14
+OTHER_TYPES = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
+# Classes of matrices: a sparse one is the first that holds numbers.
+SPARSE_CLASS = 5
+NUMBER_CLASSES = range(SPARSE_CLASS, 16)
+DEEPEST_NESTING = 50
 
 
 def read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     """Return the variables of a MATLAB file by name, also of version 7.3, which is HDF5."""
-    # perhaps behind a block of text
-    begins = file.read(512 + 8)
+    # HDF5 begins with its sign, perhaps behind MATLAB's block of 512 bytes of text.
     sign = b"\x89HDF\r\n\x1a\n"
+    beginning = file.read(512 + len(sign))
     file.seek(0)
-    if begins.startswith(sign) or begins.endswith(sign):
+    if beginning.startswith(sign) or beginning.endswith(sign):
         return read_hdf5(file, asked, where)
     data = whole(file, where)
     if has_wrong_tags(data):
@@ -368,17 +379,22 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
     """Return whether a MATLAB data element of type number `kind`, and every element nested in it,
     has a valid tag.
     """
-    if kind != 14:  # no matrix: numbers, a packed matrix, which has a checksum of its own, or text
-        return kind in (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
+    if kind != MATRIX_TYPE:  # a packed matrix has a checksum of its own
+        return kind in OTHER_TYPES
     parts = list(_tags(data, order, begin, end, True))
-    if parts:  # a matrix of numbers has as many as its flags say: flags, size, name, numbers
-        (flags,) = struct.unpack_from(f"{order}I", data, parts[0][1])
-        own = flags & 0xFF
-        complex_too = flags >> 11 & 1
-        places = 2 if own == 5 else 0  # the lists of places of a sparse matrix
-        if own in range(5, 16) and len(parts) != 4 + complex_too + places:
+    if parts:
+        _, flags_begin, _ = parts[0]
+        (flags,) = struct.unpack_from(f"{order}I", data, flags_begin)
+        matrix_class = flags & 0xFF
+        imaginary_parts = flags >> 11 & 1
+        index_lists = 2 if matrix_class == SPARSE_CLASS else 0  # of rows and of columns
+        # A matrix of numbers has these parts: flags, size, name, numbers.
+        expected = 4 + imaginary_parts + index_lists
+        if matrix_class in NUMBER_CLASSES and len(parts) != expected:
             return False
-    return depth <= 50 and all(_is_sound(data, order, *part, depth + 1) for part in parts)
+    return depth <= DEEPEST_NESTING and all(
+        _is_sound(data, order, *part, depth + 1) for part in parts
+    )
 
 
 def _tags(

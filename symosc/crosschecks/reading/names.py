@@ -133,8 +133,8 @@ def find_columns(names: Sequence[str], asked: Asked, where: str) -> dict[str, st
             fitting = [column for column in free if column == name][:1]
             fitting = fitting or [column for column in free if plain(column) in usual]
             if len(fitting) > 1 and name in SAMPLE_COLUMNS:
-                say = f"say which, such as {name}={fitting[0]}"
-                what = f"may be any of {names_text(fitting)} in {where}; {say}"
+                example = f"say which one, for example {name}={fitting[0]}"
+                what = f"could be any of {names_text(fitting)} in {where}; {example}"
                 raise ParameterError("column", name, what)
             if fitting:
                 columns[name] = fitting[0]

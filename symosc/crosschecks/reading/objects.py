@@ -144,14 +144,14 @@ def states_as_rows(
     They are as many as the times. x and v may be rows, as scipy has them, or columns, as MATLAB
     has them; two states at two times are rows, unless columns are preferred.
     """
-    ways = [
+    candidates = [
         np.moveaxis(states, axis, 0)
         for axis in range(times.ndim - 1, states.ndim)
         if states.shape[axis] == 2 and np.delete(states.shape, axis).tolist() == [*times.shape]
     ]
-    if not ways or not times.ndim:
+    if not candidates or not times.ndim:
         return None
-    return ways[-1] if prefer_columns else ways[0]
+    return candidates[-1] if prefer_columns else candidates[0]
 
 
 def is_velocity(t: Any, x: Any, v: Any) -> bool:

@@ -147,6 +147,7 @@ def _joined(pieces: list[Samples]) -> list[Samples]:
     joined: Record = {
         name: np.concatenate([getattr(piece, name) for piece in pieces]) for name in SAMPLE_COLUMNS
     }
+    # Where a piece begins before the one before ends, by rounding, it begins there.
     begin = np.cumsum([len(piece.t) for piece in pieces[:-1]])
     joined["t"][begin] = np.maximum(joined["t"][begin], joined["t"][begin - 1])
     listed = [piece.events for piece in pieces if piece.events is not None]
@@ -265,11 +266,13 @@ def _of_matrices(values: Record, are_padded: bool, where: str) -> list[Samples]:
         return [_solution({name: array.ravel() for name, array in arrays.items()}, are_padded)]
     count = times.shape[-1] if times.ndim else 0
     shapes = {name: array.shape for name, array in arrays.items()}
+    # One solution per column becomes one per row.
     if times.ndim == 1 and arrays["x"].shape[-1] != count and arrays["x"].shape[0] == count:
         arrays = {name: array.T for name, array in arrays.items()}
-    sizes = {array.shape for name, array in arrays.items() if name != "t" or array.ndim > 1}
-    shape = sizes.pop()
-    if sizes or len(shape) != 2 or shape[1] != arrays["t"].shape[-1]:
+    # All must have one shape, but for times that all solutions share.
+    different = {array.shape for name, array in arrays.items() if name != "t" or array.ndim > 1}
+    shape = different.pop()
+    if different or len(shape) != 2 or shape[1] != arrays["t"].shape[-1]:
         what = f"do not fit in {where}: x and v need a row for each solution"
         raise ParameterError("shapes", shapes, what)
     rows = {name: np.broadcast_to(array, shape) for name, array in arrays.items()}
@@ -290,6 +293,7 @@ def _of_ids(values: Record, ids: np.ndarray) -> list[Samples]:
     if len(set(lengths.values())) > 1:
         raise ParameterError("lengths", lengths, "the columns must have the same length")
     columns = {name: np.asarray(column) for name, column in values.items()}
+    # The numbers of the rows of each id, in the order of the table.
     rows = np.split(np.argsort(inverse, kind="stable"), np.cumsum(np.bincount(inverse))[:-1])
     solutions = []
     for i in np.argsort(first).tolist():
