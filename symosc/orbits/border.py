@@ -548,9 +548,14 @@ def _read_plane(
     limits: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
 ) -> BorderPlane:
     """Check the two parameters and their ranges `limits`; return their plane."""
-    if second not in PARAMETER_NAMES or second == first:
-        known = f"must be one of {', '.join(name for name in PARAMETER_NAMES if name != first)}"
-        raise ParameterError("parameter", second, known + meant(second, PARAMETER_NAMES))
+    if second == first:
+        raise ParameterError(
+            "parameter", second, f"must differ from the branch's own parameter {first}"
+        )
+    if second not in PARAMETER_NAMES:
+        names = [name for name in PARAMETER_NAMES if name != first]
+        allowed = f"must be one of {', '.join(names)}"
+        raise ParameterError("parameter", second, allowed + meant(second, names))
     if isinstance(limits, Mapping):
         ranges = dict(limits)
     else:

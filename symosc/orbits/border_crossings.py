@@ -81,7 +81,7 @@ def crossed_borders(
     plane: BorderPlane, place: np.ndarray, orbit: Orbit, direction: np.ndarray
 ) -> Iterator[Begun]:
     """Yield the borders of the word of `orbit`, found at `place`, that the line along `direction`
-    crosses there.
+    through `place` crosses nearby, each with a node on that line.
     """
     equations = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods)
     points = orbit.points
@@ -94,10 +94,11 @@ def crossed_borders(
             continue
         system = BorderSystem(plane, orbit, [zero])
         z = np.array([*np.ravel(points), *phases, *place]) / system.scale
-        row = np.zeros(len(system.scale))
-        across = direction / plane.widths
-        row[-2:] = np.array([-across[1], across[0]]) / linear.norm(across)
-        first = system.node(z, row)
+        # The node is looked for on the line: in the hyperplane whose normal is normal to the line.
+        normal = np.zeros(len(system.scale))
+        along = direction / plane.widths
+        normal[-2:] = np.array([-along[1], along[0]]) / linear.norm(along)
+        first = system.node(z, normal)
         if first is None:
             continue
         # A second point tells which inequalities are 0 all along.
@@ -137,12 +138,20 @@ def first_crossing(plane: BorderPlane, start: Motion, stop: Motion) -> Begun | N
 
 
 def _crossing_of(plane: BorderPlane, low: Motion, high: Motion) -> Begun | None:
-    """Return a border of the words at both ends of a short segment that crosses it, or None."""
-    way = high[0] - low[0]
-    for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
-        for system, node in crossed_borders(plane, place, orbit, way):
-            part = linear.dot(system.values(node.z) - low[0], way) / linear.dot(way, way)
-            if CROSSING_PARTS[0] <= part <= CROSSING_PARTS[1]:
+    """Return a border that crosses the short segment from `low` to `high`, with its first node, or
+    None.
+    """
+    low_values = low[0]
+    segment = high[0] - low_values
+    # A border's equations are those of the word with fewer pieces, so this end is tried first.
+    by_pieces = sorted((low, high), key=lambda end: len(end[1].points))
+    least, most = CROSSING_PARTS
+    for values, orbit in by_pieces:
+        for system, node in crossed_borders(plane, values, orbit, segment):
+            from_low = system.values(node.z) - low_values
+            # how far along the segment the node lies: 0 at `low`, 1 at `high`
+            fraction = linear.dot(from_low, segment) / linear.dot(segment, segment)
+            if least <= fraction <= most:
                 return system, node
     return None
 
@@ -165,14 +174,16 @@ def all_crossings(plane: BorderPlane, start: Motion, stop: Motion) -> Iterator[B
     if begun is None:
         return
     system, node = begun
-    way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
-    place = system.values(node.z)
+    segment = stop[0] - start[0]
+    direction = segment / np.abs(segment / plane.widths).max()
+    crossing = system.values(node.z)
     own = system.orbit(node.z)
-    if not 0 <= linear.dot(place - start[0], way) <= linear.dot(stop[0] - start[0], way):
+    if not 0 <= linear.dot(crossing - start[0], direction) <= linear.dot(segment, direction):
         return  # the border at the segment's end, once more
+    # Step off the border to both sides, as little as shows two different words there.
     for shift in SHIFTS:
-        before = place - shift * way
-        after = place + shift * way
+        before = crossing - shift * direction
+        after = crossing + shift * direction
         orbits = [
             motion_at(plane.parameters(beside), own, start[1], stop[1])
             for beside in (before, after)
@@ -180,11 +191,12 @@ def all_crossings(plane: BorderPlane, start: Motion, stop: Motion) -> Iterator[B
         words = {orbit.cycle for orbit in orbits if orbit is not None}
         if len(words) == 2 and own.cycle in words:
             break
-    if orbits[0] is not None and linear.dot(before - start[0], way) > 0:
-        yield from all_crossings(plane, start, (before, orbits[0]))
+    orbit_before, orbit_after = orbits
+    if orbit_before is not None and linear.dot(before - start[0], direction) > 0:
+        yield from all_crossings(plane, start, (before, orbit_before))
     yield system, node
-    if orbits[1] is not None and linear.dot(stop[0] - after, way) > 0:
-        yield from all_crossings(plane, (after, orbits[1]), stop)
+    if orbit_after is not None and linear.dot(stop[0] - after, direction) > 0:
+        yield from all_crossings(plane, (after, orbit_after), stop)
 
 
 def loss_of_word(
@@ -196,8 +208,11 @@ def loss_of_word(
     """
     system = ClosedForm(plane, plane.parameters(place), inside[1])
 
-    def has_word(part: float) -> bool:
-        holds, drives = system.terms(place + part * (inside[0] - place))
+    segment = inside[0] - place
+
+    def has_word(fraction: float) -> bool:
+        """Return whether the motion has a word at this fraction of the way from `place` inside."""
+        holds, drives = system.terms(place + fraction * segment)
         return bool(holds < drives)
 
     low = 0.0
@@ -210,15 +225,18 @@ def loss_of_word(
             high = middle
         else:
             low = middle
-    at = place + high * (inside[0] - place)
-    near = place + (high + (1 - high) * BESIDE[1]) * (inside[0] - place)
-    begun = closed_form(plane, at, inside[1])
+    at_border = place + high * segment
+    near = place + (high + (1 - high) * BESIDE[1]) * segment
+    # The border's node gives a guess for the orbit beside it, whose word may differ from that of
+    # `inside`; the border is then that of this orbit.
+    begun = closed_form(plane, at_border, inside[1])
     if begun is None:
         return None
-    beside = motion_at(plane.parameters(near), begun[0].orbit(begun[1].z))
+    system, node = begun
+    beside = motion_at(plane.parameters(near), system.orbit(node.z))
     if beside is None:
         return None
-    border = closed_form(plane, at, beside)
+    border = closed_form(plane, at_border, beside)
     if border is None:
         return None
     return (near, beside), border

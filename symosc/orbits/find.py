@@ -560,7 +560,9 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         )
         if not guesses:
             raise ParameterError(
-                "guess", guess, "the motion from there never follows the word; give all switchings"
+                "guess",
+                guess,
+                "the motion from this point never follows the word; give all switching points",
             )
         return min(guesses, key=lambda item: item.defect)
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))

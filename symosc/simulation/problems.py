@@ -61,7 +61,9 @@ class NumberColumn:
             values = np.asarray(list(values), dtype=object)
         if values.ndim != 1:
             raise ParameterError(
-                name, values, f"must be a number or have shape (n,); it has {values.shape}"
+                name,
+                values,
+                f"must be a number or an array of shape (n,), not of shape {values.shape}",
             )
         self.single = len(values) == 1
         if (
