@@ -176,17 +176,10 @@ def _flight(
     arrival = side * equations.force(piece.mode, end[0], v_end, end[1])
     rank = ARRIVAL
     size = sizes.a
-    if (
-        piece.zeros == 2
-        # at the end of a short slip the force is lost in rounding, its change since the start is
-        # not
-    ):
-        arrival = (
-            side
-            * equations.arithmetic.namespace["state_at"](
-                tau, equations.start_of_flight(piece, start), K
-            ).F
-        )
+    # At the end of a short slip the force is lost in rounding, its change since the start is not.
+    if piece.zeros == 2:
+        state_at = equations.arithmetic.namespace["state_at"]
+        arrival = side * state_at(tau, equations.start_of_flight(piece, start), K).F
         rank = STAYS_INSIDE
         size = sizes.a * short
     yield (
@@ -303,9 +296,8 @@ def extrema(
         v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5]
     )
     rising = slopes > 0
-    for j in np.flatnonzero(slopes[:-1] == 0)[
-        ::-1
-    ]:  # a sample just at a turn belongs to what follows
+    # A sample just at a turn belongs to what follows; backward, as several may follow each other.
+    for j in np.flatnonzero(slopes[:-1] == 0)[::-1]:
         rising[j] = rising[j + 1]
     turns = np.flatnonzero(rising[:-1] != rising[1:])
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
@@ -320,9 +312,8 @@ def _extremum(
     states = equations.arithmetic.namespace["state_at"]
     K = equations.K
     number = equations.number
-    allowed = (
-        64.0 * equations.arithmetic.namespace["EPS"]
-    )  # to which an extremum is known, as a part of its time
+    # to which an extremum is known, as a part of its time
+    allowed = 64.0 * equations.arithmetic.namespace["EPS"]
     low = number(low)
     high = number(high)
     tau = (low + high) / 2
@@ -465,12 +456,10 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
         equations.pieces, equations.durations(np.asarray(points)), strict=True
     ):
         rows += [x_size, sizes.a if piece.sticks else sizes.v]
-        if piece.zeros:
+        if piece.zeros:  # f2 is divided by the duration to this power (`residuals`)
             rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration))
-        else:
-            rows[-1] *= 1
     try:
-        moved = linear.inverse(equations.matrix(points))[1::2]
+        moved = linear.inverse(equations.matrix(points))[1::2]  # the rows of the phases
     except ZeroDivisionError:
         return True
     return bool(linear.product(np.abs(moved), np.array(rows)).max() * EPS > MARGINAL)

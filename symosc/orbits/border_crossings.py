@@ -158,8 +158,8 @@ def _crossing_of(plane: BorderPlane, low: Motion, high: Motion) -> Begun | None:
 
 def _motion_between(plane: BorderPlane, low: Motion, high: Motion) -> Motion | None:
     """Return a motion about halfway between two others, or None."""
-    for part in (0.5, 0.4):  # the first may be on the border
-        place = low[0] + part * (high[0] - low[0])
+    for fraction in (0.5, 0.4):  # the first may be on the border
+        place = low[0] + fraction * (high[0] - low[0])
         orbit = motion_at(plane.parameters(place), low[1], high[1])
         if orbit is not None:
             return place, orbit

@@ -284,7 +284,7 @@ def meeting(plane: BorderPlane, orbit: Orbit, values: tuple[float, float]) -> Sp
 
 def circle(plane: BorderPlane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
     """Return points of the plane on a small circle around the point `values`, each with the orbit
-    found neighbour.
+    found there.
     """
     motions = []
     for i in range(AROUND):
@@ -323,7 +323,7 @@ class Candidate(NamedTuple):
 def _two_zeros(
     plane: BorderPlane, orbit: Orbit, values: tuple[float, float]
 ) -> SpecialPoint | None:
-    """Find the point near the parameters `values` values_found which two inequalities of the orbit's word
+    """Find the point near the parameters `values` at which two inequalities of the orbit's word
     vanish, or None.
     """
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
@@ -381,8 +381,8 @@ def _vanishing(equations: ClosingEquations, points: np.ndarray) -> list[Vanishin
 def _degenerate(
     equations: ClosingEquations, points: np.ndarray, vanishing: Sequence[Vanishing]
 ) -> list[Candidate]:
-    """Return a candidate for each inequality whose zero is nearly a double one: the inequality, and
-    its derivative that vanishes too.
+    """Return a candidate for each inequality whose zero hardly is a simple one: this zero, and that
+    of the next derivative (`Zero.bend`).
     """
     size = scales(equations, points)
     candidates = []

@@ -56,7 +56,8 @@ class NumberColumn:
         values = _as_numpy(name, values)
         alone = not isinstance(values, Sized) or isinstance(values, (str, bytes, Mapping))
         if alone:
-            values = np.array([values, None], dtype=object)[:1]  # whatever it is
+            # with a second entry numpy does not look into the first, whatever it is
+            values = np.array([values, None], dtype=object)[:1]
         elif not isinstance(values, np.ndarray):
             values = np.asarray(list(values), dtype=object)
         if values.ndim != 1:
@@ -173,9 +174,8 @@ def named(name: str, data: Any, wanted: tuple[str, ...]) -> Any:
     if isinstance(data, Mapping):
         names = list(data)
     elif names is None and hasattr(data, "__getitem__"):
-        labels = getattr(
-            data, "columns", getattr(data, "index", None)
-        )  # a list has a method of this name
+        labels = getattr(data, "columns", getattr(data, "index", None))
+        # A list has a method `index`.
         if labels is None or callable(labels):
             names = None
         else:
@@ -214,9 +214,8 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         fits = inside & ~sure & (abs(lacking) < unit * power)
         rest = np.where(fits, np.sign(values) * lacking / power, rest)
         sure = sure | fits
-    whole_power = (
-        ~whole & (size < 2.0**53) & (np.rint(size) == size)
-    )  # a power of two, as a rule 1, 2 or 4
+    # A power of two, as a rule 1, 2 or 4.
+    whole_power = ~whole & (size < 2.0**53) & (np.rint(size) == size)
     return rest, sure | whole_power
 
 
@@ -422,7 +421,7 @@ class Problems:
         v = self.v0.pairs(rows)
         belt = speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
-        # one tells of all
+        # Equal doubles of plain columns are equal numbers, so one row tells of all.
         if self.v0.is_plain and speed.is_plain:
             asked = near[:1]
         else:
