@@ -91,9 +91,8 @@ class PairLimits(NamedTuple):
     more: int  # for how many events per motion the buffer has room beyond those that are wanted
     noise: float  # errors of an event that pairs may have, as a part of the rounding to doubles
     table: np.ndarray  # as `follow_all` takes it
-    careful: (
-        np.ndarray
-    )  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
+    # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
+    careful: np.ndarray
 
 
 def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:

@@ -335,7 +335,7 @@ def march(tau_max, v0, now, walls, margin, K):
     """
     # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns
     # by a constant angle, so the derivatives cost no exp, sin or cos. Their rounding errors are far
-    # below the slack that the gaps are given. Strides are tried where the gaps look wide enough.
+    # below the slack that the gaps are given. Strides are tried where the gaps look wide_per_M4 enough.
     #
     # Both ends of a step are known, and so is Hermite's cubic of a gap g between them. At the part
     # t of a step of length h its error is
@@ -350,7 +350,7 @@ def march(tau_max, v0, now, walls, margin, K):
     M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
     since = now.tau
     stride = K.stride.step
-    wide = WIDE_GAP * 0.25 * SIXTH * (stride * stride) * (stride * stride)
+    wide_per_M4 = WIDE_GAP * 0.25 * SIXTH * (stride * stride) * (stride * stride)
     long = seems_free(stride, now, walls)
     while True:
         if long:
@@ -386,7 +386,7 @@ def march(tau_max, v0, now, walls, margin, K):
             now = with_derivatives(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         # with the free motion gone, steps of their own length go farther
-        if K.slow_drive and gaps_exceed(wide * M4, now.dv, walls):
+        if K.slow_drive and gaps_exceed(wide_per_M4 * M4, now.dv, walls):
             return Marched(now, M4, 0, now)
 
 

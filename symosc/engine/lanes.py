@@ -772,6 +772,7 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
             tally_lanes(good, taken, queue[which, first:], results, batch, most, tally, table)
         for lane in range(taken):
             i = queue[which, first + lane]
+            # A good lane's result counts; else the scalar loop makes this step.
             if (good >> lane) & 1 and counts[i] < most:
                 if not asked:
                     put_state(states, i, results, lane)

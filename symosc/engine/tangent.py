@@ -273,7 +273,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
     has_kink = False
     for j in range(len(regular)):
         if codes[j] == belt:
-            own = 1.0
+            own = 1.0  # the belt's speed itself changes
         else:
             own = 0.0
         moved = work[END_V, j] - own

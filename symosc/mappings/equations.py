@@ -402,9 +402,8 @@ def _in_blocks(
 
 def _matrix(rows: Any) -> np.ndarray:
     """Return rows of numbers as an array of floats, or of mpmath numbers."""
-    return np.array(
-        rows, dtype=object if hasattr(rows[0][0], "_mpf_") else float
-    )  # all are of one kind
+    first_entry = rows[0][0]  # all are of one kind
+    return np.array(rows, dtype=object if hasattr(first_entry, "_mpf_") else float)
 
 
 # --- the next switching point ---
@@ -473,9 +472,8 @@ class MapPoint:
     theta: Number
     exit: str | None
     grazing: bool
-    derivative: np.ndarray | None = field(
-        compare=False
-    )  # follows from the rest; arrays have no single ==
+    # It follows from the rest, and arrays have no single ==.
+    derivative: np.ndarray | None = field(compare=False)
 
 
 @public

@@ -508,6 +508,7 @@ def engine_contradiction(
     size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(
         abs(float(K.belt1.v)), abs(float(K.belt2.v))
     )
+    # Each event must be the one that begins the next piece, at its time and place.
     for j in range(1, len(pieces) + 1):
         i = (first + j) % len(pieces)
         piece = pieces[i]
@@ -531,12 +532,12 @@ def engine_contradiction(
             break
     else:
         return None
-    ends = pieces[i - 1]
-    if ends.sticks:
+    ending = pieces[i - 1]
+    if ending.sticks:
         kind = SLIP_BIRTH
     else:
         kind = GRAZING
-    text = f"{ends.label} ends where it first can"
+    text = f"{ending.label} ends where it first can"
     when = float(due if event is None else event.t)
     value = -min(late, float(equations.turn / K.Om))
     return Condition((i - 1) % len(pieces), text, value, when, kind, ENGINE, 2 * pi)

@@ -40,6 +40,7 @@ from symosc.orbits.border_crossings import (
 from symosc.orbits.border_points import (
     FOLD,
     MOST_HALVINGS,
+    PlacedOrbit,
     SpecialPoint,
     between,
     circle,
@@ -328,6 +329,7 @@ def _where(a: Node, b: Node, column: int, target: float) -> np.ndarray:
 
     It is bisected, as the curve is far from its chord next to a fold.
     """
+    # `low` and `high` are fractions of the way from a to b; at `low` the unknown is below the target.
     if a.z[column] <= b.z[column]:
         low = 0.0
         high = 1.0
@@ -335,11 +337,11 @@ def _where(a: Node, b: Node, column: int, target: float) -> np.ndarray:
         low = 1.0
         high = 0.0
     for _ in range(MOST_HALVINGS):
-        part = (low + high) / 2
-        if between(a, b, part)[column] < target:
-            low = part
+        middle = (low + high) / 2
+        if between(a, b, middle)[column] < target:
+            low = middle
         else:
-            high = part
+            high = middle
     point = between(a, b, low)
     point[column] = target
     return point
@@ -366,12 +368,13 @@ def borders_between(
     if orbit_a is None and orbit_b is None:
         return []
     if orbit_a is not None and orbit_b is not None:
-        return _distinct(all_crossings(plane, (place_a, orbit_a), (place_b, orbit_b)), *steps)
+        ends = PlacedOrbit(place_a, orbit_a), PlacedOrbit(place_b, orbit_b)
+        return _distinct(all_crossings(plane, *ends), *steps)
     if orbit_a is not None:
-        inside = (place_a, orbit_a)
+        inside = PlacedOrbit(place_a, orbit_a)
         outside = place_b
     elif orbit_b is not None:
-        inside = (place_b, orbit_b)
+        inside = PlacedOrbit(place_b, orbit_b)
         outside = place_a
     lost = loss_of_word(plane, inside, outside)
     if lost is None:
@@ -424,7 +427,7 @@ def passes(
     # are cut in eight.
     nodes = border._nodes
     system = border._system
-    between_nodes = (between(a, b, part / 8) for a, b in pairwise(nodes) for part in range(8))
+    between_nodes = (between(a, b, eighth / 8) for a, b in pairwise(nodes) for eighth in range(8))
     curve = np.array([system.values(z) for z in (*between_nodes, nodes[-1].z)])
     # The distance of the point from each chord: from the foot of the perpendicular, or an end.
     from_point = (curve - values) / border._plane.widths
@@ -521,7 +524,9 @@ def continue_border(
         )
         if inside is None or outside is None:
             continue
-        begun = first_crossing(plane, (values + shift, inside), (values - shift, outside))
+        begun = first_crossing(
+            plane, PlacedOrbit(values + shift, inside), PlacedOrbit(values - shift, outside)
+        )
         if begun is not None:
             border = traced(*begun, longest, most)
             # The branch's word comes first.

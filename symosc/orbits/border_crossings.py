@@ -10,7 +10,7 @@ from symosc.base.errors import SymoscError
 from symosc.kernels import linear
 from symosc.orbits import border_system
 from symosc.orbits.admissibility import conditions
-from symosc.orbits.border_points import MOST_HALVINGS, Motion, motion_at, scaled_margin
+from symosc.orbits.border_points import MOST_HALVINGS, PlacedOrbit, motion_at, scaled_margin
 from symosc.orbits.border_system import BorderPlane, BorderSystem, ClosedForm, Node, zeros_of
 from symosc.orbits.closing_equations import ClosingEquations, Orbit
 
@@ -111,17 +111,17 @@ def crossed_borders(
             yield system, first
 
 
-def first_crossing(plane: BorderPlane, start: Motion, stop: Motion) -> Begun | None:
+def first_crossing(plane: BorderPlane, start: PlacedOrbit, stop: PlacedOrbit) -> Begun | None:
     """Return the first border that crosses the segment from `start` to `stop` in the plane; None if
     none is found.
     """
-    whole = float(np.abs((stop[0] - start[0]) / plane.widths).max())
-    word = start[1].cycle
+    whole_length = float(np.abs((stop.values - start.values) / plane.widths).max())
+    word = start.orbit.cycle
     low = start
     high = stop
-    while word != stop[1].cycle:
-        length = float(np.abs((high[0] - low[0]) / plane.widths).max())
-        if length <= max(SHORT_PART * whole, SHORT_LENGTH):  # short enough for the equations
+    while word != stop.orbit.cycle:
+        length = float(np.abs((high.values - low.values) / plane.widths).max())
+        if length <= max(SHORT_PART * whole_length, SHORT_LENGTH):  # short enough for the equations
             begun = _crossing_of(plane, low, high)
             if begun is not None:
                 return begun
@@ -130,25 +130,24 @@ def first_crossing(plane: BorderPlane, start: Motion, stop: Motion) -> Begun | N
         middle = _motion_between(plane, low, high)
         if middle is None:
             return None
-        if middle[1].cycle == word:
+        if middle.orbit.cycle == word:
             low = middle
         else:
             high = middle
     return None
 
 
-def _crossing_of(plane: BorderPlane, low: Motion, high: Motion) -> Begun | None:
+def _crossing_of(plane: BorderPlane, low: PlacedOrbit, high: PlacedOrbit) -> Begun | None:
     """Return a border that crosses the short segment from `low` to `high`, with its first node, or
     None.
     """
-    low_values = low[0]
-    segment = high[0] - low_values
+    segment = high.values - low.values
     # A border's equations are those of the word with fewer pieces, so this end is tried first.
-    by_pieces = sorted((low, high), key=lambda end: len(end[1].points))
+    by_pieces = sorted((low, high), key=lambda end: len(end.orbit.points))
     least, most = CROSSING_PARTS
     for values, orbit in by_pieces:
         for system, node in crossed_borders(plane, values, orbit, segment):
-            from_low = system.values(node.z) - low_values
+            from_low = system.values(node.z) - low.values
             # how far along the segment the node lies: 0 at `low`, 1 at `high`
             fraction = linear.dot(from_low, segment) / linear.dot(segment, segment)
             if least <= fraction <= most:
@@ -156,17 +155,17 @@ def _crossing_of(plane: BorderPlane, low: Motion, high: Motion) -> Begun | None:
     return None
 
 
-def _motion_between(plane: BorderPlane, low: Motion, high: Motion) -> Motion | None:
+def _motion_between(plane: BorderPlane, low: PlacedOrbit, high: PlacedOrbit) -> PlacedOrbit | None:
     """Return a motion about halfway between two others, or None."""
     for fraction in (0.5, 0.4):  # the first may be on the border
-        place = low[0] + fraction * (high[0] - low[0])
-        orbit = motion_at(plane.parameters(place), low[1], high[1])
+        place = low.values + fraction * (high.values - low.values)
+        orbit = motion_at(plane.parameters(place), low.orbit, high.orbit)
         if orbit is not None:
-            return place, orbit
+            return PlacedOrbit(place, orbit)
     return None
 
 
-def all_crossings(plane: BorderPlane, start: Motion, stop: Motion) -> Iterator[Begun]:
+def all_crossings(plane: BorderPlane, start: PlacedOrbit, stop: PlacedOrbit) -> Iterator[Begun]:
     """Yield, in order, the borders at which the word of the motion changes along the segment from
     `start` to `stop`.
     """
@@ -174,41 +173,41 @@ def all_crossings(plane: BorderPlane, start: Motion, stop: Motion) -> Iterator[B
     if begun is None:
         return
     system, node = begun
-    segment = stop[0] - start[0]
+    segment = stop.values - start.values
     direction = segment / np.abs(segment / plane.widths).max()
     crossing = system.values(node.z)
     own = system.orbit(node.z)
-    if not 0 <= linear.dot(crossing - start[0], direction) <= linear.dot(segment, direction):
+    if not 0 <= linear.dot(crossing - start.values, direction) <= linear.dot(segment, direction):
         return  # the border at the segment's end, once more
     # Step off the border to both sides, as little as shows two different words there.
     for shift in SHIFTS:
         before = crossing - shift * direction
         after = crossing + shift * direction
         orbits = [
-            motion_at(plane.parameters(beside), own, start[1], stop[1])
+            motion_at(plane.parameters(beside), own, start.orbit, stop.orbit)
             for beside in (before, after)
         ]
         words = {orbit.cycle for orbit in orbits if orbit is not None}
         if len(words) == 2 and own.cycle in words:
             break
     orbit_before, orbit_after = orbits
-    if orbit_before is not None and linear.dot(before - start[0], direction) > 0:
-        yield from all_crossings(plane, start, (before, orbit_before))
+    if orbit_before is not None and linear.dot(before - start.values, direction) > 0:
+        yield from all_crossings(plane, start, PlacedOrbit(before, orbit_before))
     yield system, node
-    if orbit_after is not None and linear.dot(stop[0] - after, direction) > 0:
-        yield from all_crossings(plane, (after, orbit_after), stop)
+    if orbit_after is not None and linear.dot(stop.values - after, direction) > 0:
+        yield from all_crossings(plane, PlacedOrbit(after, orbit_after), stop)
 
 
 def loss_of_word(
-    plane: BorderPlane, inside: Motion, place: np.ndarray
-) -> tuple[Motion, Begun] | None:
+    plane: BorderPlane, inside: PlacedOrbit, place: np.ndarray
+) -> tuple[PlacedOrbit, Begun] | None:
     """Return the border between `inside`, a motion with a word, and `place`, where it has none.
 
     Return a motion beside the border, and the border; None if it is not found.
     """
-    system = ClosedForm(plane, plane.parameters(place), inside[1])
+    system = ClosedForm(plane, plane.parameters(place), inside.orbit)
 
-    segment = inside[0] - place
+    segment = inside.values - place
 
     def has_word(fraction: float) -> bool:
         """Return whether the motion has a word at this fraction of the way from `place` inside."""
@@ -229,7 +228,7 @@ def loss_of_word(
     near = place + (high + (1 - high) * BESIDE[1]) * segment
     # The border's node gives a guess for the orbit beside it, whose word may differ from that of
     # `inside`; the border is then that of this orbit.
-    begun = closed_form(plane, at_border, inside[1])
+    begun = closed_form(plane, at_border, inside.orbit)
     if begun is None:
         return None
     system, node = begun
@@ -239,4 +238,4 @@ def loss_of_word(
     border = closed_form(plane, at_border, beside)
     if border is None:
         return None
-    return (near, beside), border
+    return PlacedOrbit(near, beside), border

@@ -53,8 +53,12 @@ REGULAR = {
     border_system.AT_HOLD: " in an extremum at which F'' is 0 too",
 }
 
-#: A point of the plane and an orbit there.
-Motion = tuple[np.ndarray, Orbit]
+
+class PlacedOrbit(NamedTuple):
+    """An orbit, and the values of the plane's two parameters at which it exists."""
+
+    values: np.ndarray
+    orbit: Orbit
 
 
 class SpecialPoint(NamedTuple):
@@ -275,18 +279,18 @@ def meeting(plane: BorderPlane, orbit: Orbit, values: tuple[float, float]) -> Sp
         point = _two_zeros(plane, orbit, values)
         if point is not None:
             return point
-    around = [neighbour for _, neighbour in circle(plane, values, orbit)]
+    around = [neighbour.orbit for neighbour in circle(plane, values, orbit)]
     if not around:
         return None
     shortest = min(around, key=lambda neighbour: len(neighbour.points))
     return _two_zeros(plane, shortest, values)
 
 
-def circle(plane: BorderPlane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
+def circle(plane: BorderPlane, values: Sequence[float], orbit: Orbit) -> list[PlacedOrbit]:
     """Return points of the plane on a small circle around the point `values`, each with the orbit
     found there.
     """
-    motions = []
+    orbits = []
     for i in range(AROUND):
         angle = 2 * pi * (i + 0.5) / AROUND
         sample = np.array(values) + RADIUS * plane.widths * np.array([cos(angle), sin(angle)])
@@ -294,8 +298,8 @@ def circle(plane: BorderPlane, values: Sequence[float], orbit: Orbit) -> list[Mo
             continue
         neighbour = motion_at(plane.parameters(sample), orbit)
         if neighbour is not None:
-            motions.append((sample, neighbour))
-    return motions
+            orbits.append(PlacedOrbit(sample, neighbour))
+    return orbits
 
 
 class Vanishing(NamedTuple):

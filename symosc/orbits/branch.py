@@ -740,8 +740,9 @@ class Curve:
         The point m lies halfway.
         """
         first, middle, last = ((node.points, node.value) for node in (a, m, b))
-        places = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
-        nodes = [(self.equations(value), points) for points, value in places]
+        # Five points: the three, and two on the cubics between them.
+        five = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
+        nodes = [(self.equations(value), points) for points, value in five]
         margins = [
             a.conditions,
             conditions(*nodes[1]),
@@ -754,8 +755,9 @@ class Curve:
         )
         if not _proven_positive(values).all():
             return False
-        spans = nodes[2][0].spans(m.points)
-        rate = nodes[2][0].K.rate
+        equations, _ = nodes[2]  # those at m
+        spans = equations.spans(m.points)
+        rate = equations.K.rate
         parts = [1 + int(min(MOST_PARTS, max(12, span.tau * rate / SAMPLE))) for span in spans]
         return all(
             _stay_positive(nodes, i, np.linspace(0.0, 1.0, count), 30)

@@ -236,10 +236,10 @@ def warm() -> list[Warmed]:
         ],
     }
     done = []
-    for what, functions in calls.items():
+    for subject, functions in calls.items():
         was_there = all(is_compiled(function) for function, _ in functions)
         begin = perf_counter()
         for function, arguments in functions:
             function(*arguments)
-        done.append(Warmed(what, was_there, perf_counter() - begin))
+        done.append(Warmed(subject, was_there, perf_counter() - begin))
     return done

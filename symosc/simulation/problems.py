@@ -453,22 +453,22 @@ class Problems:
         complex number.
         """
         # Forces and what follows from them are left to `symosc.engine.batch.first_pairs`.
-        made = np.zeros(len(rows), PAIR_ROW)
-        made["mode"] = states["mode"]
-        made["at"] = states["at"]
+        in_pairs = np.zeros(len(rows), PAIR_ROW)
+        in_pairs["mode"] = states["mode"]
+        in_pairs["at"] = states["at"]
         for name, column in (("x", self.x0), ("v", self.v0), ("t", self.t0)):
             pairs = column.pairs(rows)
-            made[name].real = pairs.hi
-            made[name].imag = pairs.lo
-        made["t_end"].real = states["t_end"]
-        made["t_end"].imag = states["t_end_low"]
-        made["t0"] = made["t"]
+            in_pairs[name].real = pairs.hi
+            in_pairs[name].imag = pairs.lo
+        in_pairs["t_end"].real = states["t_end"]
+        in_pairs["t_end"].imag = states["t_end_low"]
+        in_pairs["t0"] = in_pairs["t"]
         known = {0j: 0j}
-        for i, t0 in enumerate(made["t0"].tolist()):
+        for i, t0 in enumerate(in_pairs["t0"].tolist()):
             if t0 not in known:
                 known[t0] = phase(self.t0.exact(int(rows[i])))
-            made["theta"][i] = known[t0]
-        return made
+            in_pairs["theta"][i] = known[t0]
+        return in_pairs
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:
