@@ -335,7 +335,7 @@ def march(tau_max, v0, now, walls, margin, K):
     """
     # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns
     # by a constant angle, so the derivatives cost no exp, sin or cos. Their rounding errors are far
-    # below the slack that the gaps are given. Strides are tried where the gaps look wide_per_M4 enough.
+    # below the slack that the gaps are given. Strides are tried where the gaps look wide enough.
     #
     # Both ends of a step are known, and so is Hermite's cubic of a gap g between them. At the part
     # t of a step of length h its error is
