@@ -271,12 +271,12 @@ def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Nu
     c0 = equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
     for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
-        turn = (angle - start[1]) % names["TWO_PI"] / K.Om
-        while 0 < turn < tau:
-            now = below + names["force_gain"](turn, s0, c0, belt, K)[0]
+        elapsed = (angle - start[1]) % names["TWO_PI"] / K.Om
+        while 0 < elapsed < tau:
+            now = below + names["force_gain"](elapsed, s0, c0, belt, K)[0]
             hold, domain = min((now, piece.start), (belt.J - now, piece.start + 1))
-            yield hold, start[1] + K.Om * turn, domain
-            turn += K.period
+            yield hold, start[1] + K.Om * elapsed, domain
+            elapsed += K.period
 
 
 def extrema(

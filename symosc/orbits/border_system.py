@@ -247,6 +247,7 @@ class BorderSystem:
         values = np.array(equations.residuals(points) + self._zeros(equations, points, phases))
         matrix = np.zeros((len(values), size))
         matrix[:n, :n] = equations.matrix(points)
+        # A zero depends on start and end of its piece, each with x and theta: four unknowns.
         touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
         for j in (*touched, *range(n, size - 2)):
             step = DIFFERENCE * self.scale[j] / POINTS_WEIGHT

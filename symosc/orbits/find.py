@@ -618,7 +618,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     points = [(x, theta)]
     planes = [(boundary, start.mode)]
     code = END
-    for _ in range(20 * most):
+    for _ in range(20 * most):  # searches that end without an event count too
         code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0)
         if code in (CROSS, STICK, SLIP):
             points.append((state.x, 2 * pi * state.n + state.theta))

@@ -323,7 +323,7 @@ class Chunk:
         """Return starts, indices of parameter sets, their m, mu1, mu2, FN, and their constants, for
         `event_changes`.
         """
-        starts = np.empty((len(self._starts), 5))
+        starts = np.empty((len(self._starts), 5))  # mode, t, theta, x, v, as `tangents` takes them
         sets = self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 0] = self._starts["mode"]

@@ -369,6 +369,7 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
             if advance:
                 advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
             if not motion.decided and motion.code != FAILED and not start.start_error:
+                # A later contact than the one that took more digits takes twice as many.
                 if before > asked_at:
                     least = 2 * working
                 else:
@@ -388,6 +389,7 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
             missing = motion.missing_digits(digits)
         if working >= limit or (missing <= 0 and not undecided):
             break
+        # Three times as many digits for an undecided contact, else as many more as are missing.
         working = min(limit, 3 * working if undecided else working + missing + 2)
     last = motion.state.t
     if undecided or missing > 0:
