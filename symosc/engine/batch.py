@@ -91,9 +91,8 @@ class PairLimits(NamedTuple):
     more: int  # for how many events per motion the buffer has room beyond those that are wanted
     noise: float  # errors of an event that pairs may have, as a part of the rounding to doubles
     table: np.ndarray  # as `follow_all` takes it
-    careful: (
-        np.ndarray
-    )  # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
+    # the same, for decisions that exceed the errors of a state whatever accuracy is asked for
+    careful: np.ndarray
 
 
 def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
@@ -108,7 +107,8 @@ def large_array(shape: tuple[int, ...], dtype: Any = np.float64) -> np.ndarray:
     if size < PAGE:
         return np.empty(shape, dtype)
     whole = np.empty(size + 2 * PAGE, np.uint8)
-    skipped = -whole.__array_interface__["data"][0] % PAGE
+    address, _ = whole.__array_interface__["data"]
+    skipped = -address % PAGE
     return whole[skipped : skipped + size].view(dtype).reshape(shape)
 
 
@@ -326,7 +326,7 @@ def is_inexact(t, t_error, x, x_error, t0, accuracy):
 def end_by_phase(row, K):
     """Return t_end, t_end_low and t0 of a batch row.
 
-    T_end becomes phase/Omega with Omega rounded, as in states.
+    The end, as times in states, becomes phase/Omega with the rounded Omega.
     """
     t_end = float(row.t_end)
     t0 = float(row.t0)
@@ -381,9 +381,9 @@ def doubt_row(states, count, most, accuracy, table):
 
 @outlined
 def next_undecided(state, count, row, most, accuracy, K):
-    """Look up to 16 steps ahead of `state`.
+    """Look up to LOOK_AHEAD steps ahead of `state`.
 
-    Return the number of the first event doubles cannot decide, or 0.
+    Return the number of the first event that doubles cannot decide or know too little of, or 0.
 
     Events are numbered on from `count`; those after number `most` do not matter.
     """
@@ -521,12 +521,13 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
         t0 = from_complex(pairs[i].t0)
         code = RUNNING
         goal = wanted[i]
-        last = min(limits.most, wanted[i] + limits.more)
+        farthest = min(limits.most, wanted[i] + limits.more)  # number of the last event looked for
         rounded = in_doubles(state, t0, plain)
         while code == RUNNING and not (recorded and parts >= pieces.shape[1]):
+            # Past its goal a motion goes on only while doubles could soon not decide again.
             if counts[i] >= goal:
                 goal = next_undecided_in_doubles(
-                    rounded, counts[i], states[i], last, limits.accuracy, plain
+                    rounded, counts[i], states[i], farthest, limits.accuracy, plain
                 )
                 if goal == 0:
                     break
@@ -534,8 +535,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
             free = open_free_time_in_doubles(rough, rounded, careful)
             event = advance_near(state, rounded, rough, free, t_end, t_end_low, K)
             step = event.code
-            then = in_doubles(event.state, t0, plain)
-            plainly = NextEvent(step, event.boundary, True, event.t_error.hi, then)
+            rounded_after = in_doubles(event.state, t0, plain)
+            rounded_event = NextEvent(step, event.boundary, True, event.t_error.hi, rounded_after)
             if step == FAILED or not event.decided:
                 code = UNDECIDED
                 break
@@ -555,15 +556,15 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                     break
                 if rows < out.floats.shape[1]:  # there is none where tallies are kept
                     clock = t.hi, rounding_error(t_error.hi, t.hi), rounding_error(x_error.hi, x.hi)
-                    write_event_in_doubles(out, rows, i, rounded, plainly, clock, plain)
+                    write_event_in_doubles(out, rows, i, rounded, rounded_event, clock, plain)
                 rows += 1
                 counts[i] += 1
             elif step in (END, REST):
                 code = step
             if tallied and code != REST:
-                tally_step(i, rounded, plainly, t0.hi, tally, plain)
+                tally_step(i, rounded, rounded_event, t0.hi, tally, plain)
             state = event.state
-            rounded = then
+            rounded = rounded_after
             if recorded and code == RUNNING:
                 elapsed = ((state.t - t0.hi) + state.t_low).hi
                 write_piece_in_doubles(pieces, parts, rounded, elapsed)

@@ -148,9 +148,9 @@ def fourth_derivative_bound(G2, G3, s, c, K):
 
 
 def positive_on(s, P):
-    """Return whether P = p0 + p1 r + ...
+    """Return whether a polynomial is proven positive on [0, s], by its Bernstein coefficients.
 
-    + p4 r^4 is proven positive for all r in [0, s], by Bernstein coefficients.
+    `P` holds its coefficients p0 to p4.
     """
     p0, p1, p2, p3, p4 = P
     t1 = p1 * s
@@ -280,9 +280,9 @@ def local_root(over, F, G1, G2, G3, resolution):
 
 
 def root_by_series(over, F, G1, G2, G3):
-    """Estimate the root s near 0 of over + F s + G1 s^2/2 + ...
+    """Estimate the root near 0 of the polynomial of `local_root` by the inverse series.
 
-    + G3 s^4/24 by the inverse series; bound its error.
+    Return the root and a bound of its error.
     """
     inverse = 1.0 / F
     linear = over * inverse
@@ -294,9 +294,9 @@ def root_by_series(over, F, G1, G2, G3):
 
 @outlined
 def newton_root(s, over, F, G1, G2, G3, resolution):
-    """Find the root near `s` of over + F s + G1 s^2/2 + ...
+    """Find the root near `s` of the polynomial of `local_root` by Newton's method.
 
-    + G3 s^4/24 by Newton's method (1e300 or more: none).
+    FAR or more: none.
     """
     for _ in range(MOST_NEWTON):
         slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
@@ -350,7 +350,7 @@ def march(tau_max, v0, now, walls, margin, K):
     M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
     since = now.tau
     stride = K.stride.step
-    wide = WIDE_GAP * 0.25 * SIXTH * (stride * stride) * (stride * stride)
+    wide_per_M4 = WIDE_GAP * 0.25 * SIXTH * (stride * stride) * (stride * stride)
     long = seems_free(stride, now, walls)
     while True:
         if long:
@@ -386,7 +386,7 @@ def march(tau_max, v0, now, walls, margin, K):
             now = with_derivatives(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
         # with the free motion gone, steps of their own length go farther
-        if K.slow_drive and gaps_exceed(wide * M4, now.dv, walls):
+        if K.slow_drive and gaps_exceed(wide_per_M4 * M4, now.dv, walls):
             return Marched(now, M4, 0, now)
 
 
@@ -568,10 +568,10 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     # NOTHING says that the gap is positive on the way there too, STALLED also that this is not
     # proven.
     begin = tau
-    sign = -side
-    last = FAR
+    sign = -side  # of the gap's derivatives against those of v
+    last_shift = FAR
     depth_known = False
-    even = 0
+    even_steps = 0
     for _ in range(MOST_DESCENTS):
         now = state_at(tau, start, K)
         gap = gap_to(side, now, walls)
@@ -584,6 +584,8 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
             shift = -slope / bend
         else:
             shift = 0.0 * slope
+        # The depth of the minimum is known if the next step would hardly change the gap, or if the
+        # gap is clearly negative.
         if abs(slope * shift) <= 0.25 * allowed or gap < -2.0 * allowed:
             depth_known = True
         if depth_known:
@@ -596,15 +598,15 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
                     back, (gap - allowed, -slope, 0.5 * bend, third, -0.25 * SIXTH * M4)
                 )
                 return (NOTHING if free and back > 0.0 else STALLED), tau
-            if abs(shift) >= 0.9 * last or shift == 0.0:  # as near as rounding allows
+            if abs(shift) >= 0.9 * last_shift or shift == 0.0:  # as near as rounding allows
                 return (TANGENCY if gap_reopens(tau, side, start, walls, S, K) else LOST), tau
-        if abs(shift) >= 0.9 * last:
-            even = even + 1
+        if abs(shift) >= 0.9 * last_shift:
+            even_steps = even_steps + 1
         else:
-            even = 0
-        last = abs(shift)
+            even_steps = 0
+        last_shift = abs(shift)
         tau = tau + shift
-        if tau < earliest or even > MOST_EVEN:
+        if tau < earliest or even_steps > MOST_EVEN:
             return STALLED, begin
     return LOST, tau
 
@@ -662,8 +664,7 @@ def first_exit(tau_max, start, walls, S, K):
     if K.apart and not flat:
         now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
         if side != 0:
-            # A step of Newton's method from the secant's root on Hermite's cubic, with the secant's
-            # slope; `sharpened`.
+            # The estimate is made exact from the nearer end of the step.
             h = there.tau - now.tau
             part = part_to_root(now, there, side, walls)
             if part < 0.5:
@@ -717,6 +718,8 @@ def behind_flat_start(tau_max, G2, G3, start, K):
     """
     Om4 = K.Om * K.Om * K.Om * K.Om
     fifth = fifth_derivative(G3, G2, start.c, K)
+    # With a bound M5 of the fifth derivative the gap is at least |G3| tau^4/24 - M5 tau^5/120, which
+    # is positive up to 5 |G3|/M5.
     if K.steady:
         G3_transient = G3 - Om4 * (K.Ss * start.s + K.Sc * start.c)
         fifth_transient = fifth - Om4 * K.Om * (K.Ss * start.c - K.Sc * start.s)
@@ -767,6 +770,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         else:
             start_gap = walls.above
         known = crossing == side
+        # The last term makes `is_near` ask that the gap gets at least 4 margins deep, to be no touch.
         size = start_gap + abs(now.dv) + abs(now.F) * root + margin * (4.0 / DEEP)
         near, close, deep = root_ahead(root, cap, P, degree, M4, size, K)
         if near and (deep or known):
@@ -898,6 +902,8 @@ def part_to_root(now, there, side, walls):
     """Estimate at which fraction of the time from point `now` to `there` the gap on `side`
     vanishes.
     """
+    # `part` is the root of the secant. From there one step of Newton's method follows on Hermite's
+    # cubic, with the secant's slope.
     h = there.tau - now.tau
     gap = gap_to(side, now, walls)
     beyond = -gap_to(side, there, walls)
@@ -1070,16 +1076,15 @@ def belt_exit(tau_max, held, belt, K):
         if Delta_end == Delta:  # constant forces
             tau = end
             continue
+        # Forces that rise can only lift F^(above) to 0, forces that fall only lower F^(below).
         rising = Delta_end > Delta
         if rising:
             force = held.Fa
             side = 1
+            over = force + Delta_end
         else:
             force = held.Fb
             side = -1
-        if rising:
-            over = force + Delta_end
-        else:
             over = -force - Delta_end
         turning = end < tau_max or (turns_at_period and end == K.period)
         if turning and abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K):
@@ -1215,8 +1220,7 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
 
     Up to the time `free` there is none.
     """
-    # It is if the polynomial bound of the gap to each wall, taken backward from it, is positive as
-    # far as the flight is not known to be `free`.
+    # First the bottom of the dip, where v' = 0.
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
         third = SIXTH * now.G3
@@ -1242,6 +1246,7 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
     allowed = tolerance(side, now, start, walls, S, K)
     if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
         return FlightEnd(STALLED, side, now)
+    # Then the zero before the bottom.
     before = shift - sqrt(2.0 * depth / bend)
     before = newton_root(
         before, gap if side < 0 else -gap, now.F, now.G1, now.G2, now.G3, EPS * tau
@@ -1250,6 +1255,8 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
         end = FlightEnd(HIT, side, shifted(now, before, start.v, K))
     else:
         end = contact_near(tau + before, 0.5 * abs(before), side, start, walls, K)
+    # It is the first one if the polynomial bound of the gap to each wall, taken backward from it, is
+    # positive as far as the flight is not known to be `free`.
     back = end.now.tau - free
     now = end.now
     G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)

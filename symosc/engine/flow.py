@@ -303,15 +303,15 @@ def march_rows(table, out):
     """
     for i in range(out.shape[0]):
         K = table[i]
-        for which in range(2):
+        for which in range(2):  # the usual step, then the stride
             step = march_steps(K)[which]
             entries = march_constants(step, basis(step, K), K)
-            for n in range(7):
+            for n in range(7):  # the fields of MarchConstants
                 out[i, which, n] = entries[n]
 
 
 def march_constants(step, functions, K):
-    """Return the fields of a MarchConstants.
+    """Return the fields of a MarchConstants in their order.
 
     `functions` are E0, E1, E2, R2, I2, sin and cos at the time `step`.
     """
@@ -321,6 +321,7 @@ def march_constants(step, functions, K):
 
 def _period_rest(period: float, Om: float) -> Fraction:
     """Return the rounding error of a period, 2 pi/Om - period, where Om and period are doubles."""
+    # what rounding took from the double 2 pi is added back
     two_pi = Fraction(2.0 * pi) + Fraction(2.4492935982947064e-16)
     return (two_pi - exactly(Om) * exactly(period)) / exactly(Om)
 
@@ -375,7 +376,8 @@ class ConstantRows(Sequence[Constants]):
             for name, kind in NESTED.items():
                 values[name] = kind(*values[name])
             self._last = int(i), Constants(**values)
-        return self._last[1]
+        _, row = self._last
+        return row
 
 
 def table_of(rows: Iterable[Constants]) -> np.ndarray:
@@ -525,9 +527,8 @@ def stiff_derivatives(tau, start, s, c, K):
     # died away.
     v0, F0, s0, c0 = start
     Om2 = K.Om * K.Om
-    v_free = v0 - (
-        K.Ss * s0 + K.Sc * c0
-    )  # with k = 0 the mean velocity is a part of it: its root is 0
+    # With k = 0 the mean velocity is a part of the transient, as one of its roots is 0.
+    v_free = v0 - (K.Ss * s0 + K.Sc * c0)
     F_free = F0 - K.Om * (K.Ss * c0 - K.Sc * s0)
     fast = (F_free - K.l1 * v_free) / (K.l2 - K.l1)
     slow = (v_free - fast) * exp(K.l1 * tau) * K.l1 * K.l1

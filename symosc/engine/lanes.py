@@ -127,6 +127,9 @@ PROBE = 1024
 # With so many motions per lane of one parameter set these go alone, with the constants in
 # registers.
 FEW = 4
+# The two queues of motions that wait for a lane.
+FLYING = 0
+STICKING = 1
 # Numbers of a parameter set.
 NUMBERS = ROW.itemsize // 8
 # How often a root is evaluated before the scalar loop goes on: on the common path once, or twice.
@@ -158,9 +161,8 @@ def belts(boundary, K):
     s_cr = select(first, belt1.s_cr, belt2.s_cr)
     c_cr = select(first, belt1.c_cr, belt2.c_cr)
     angle = select(first, belt1.angle, belt2.angle)
-    return BeltConstants(
-        v, J, drift, turns, s_cr, c_cr, angle, v, v
-    )  # the limits are not asked for here
+    # Lanes do not ask for the two limits: v stands in their fields.
+    return BeltConstants(v, J, drift, turns, s_cr, c_cr, angle, v, v)
 
 
 def suits_lanes(K):
@@ -199,6 +201,7 @@ def fly(state, remaining, K):
     """
     mode, at, n, theta, x, v0, F0, _, S, t, t_low, s0, c0, theta_low = state
     tau_max = select(remaining <= K.chunk, remaining + PAST_END * remaining, K.chunk)
+    # Domain 1 has no wall below it, domain 3 none above it.
     lower = select(mode == 1, -inf, select(mode == 2, K.belt1.v, K.belt2.v))
     upper = select(mode == 3, inf, select(mode == 2, K.belt2.v, K.belt1.v))
     on_below = (at > 0) & (at == mode - 1)
@@ -218,7 +221,7 @@ def fly(state, remaining, K):
     hit, now, there, side = march_side_by_side(tau_max, v0, begin, walls, margin, K)
     good = hit & (remaining > 0.0) & ~flat
     if not any_of(good):
-        return good, mode, mode, mode, state
+        return good, mode, mode, mode, state  # any numbers: no lane is good
     good, now = polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K)
     tau = now.tau
     good = good & (tau <= remaining)
@@ -410,6 +413,7 @@ def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
         shift, missing = root_by_series(over, now.F, now.G1, now.G2, now.G3)
         sure = (abs(over * now.G1) < 0.1 * now.F * now.F) & (missing <= EPS * tau)
         inside = (low - slack <= tau + shift) & (tau + shift <= high + slack)
+        # Where the closed form of `flown_side_by_side` loses digits, the scalar loop goes on.
         pending = (
             pending & sure & inside & (K.rate * tau >= SERIES_BELOW) & (K.w0 * tau >= APART_ABOVE)
         )
@@ -423,7 +427,12 @@ def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
 
 
 def flown_side_by_side(tau, v0, F0, s0, c0, K):
-    """Return for each lane the point of a flight at `tau` after launch, by the closed form."""
+    """Return for each lane the point of a flight at `tau` after launch, by the closed form.
+
+    Only for tau >= SERIES_BELOW/rate and tau >= APART_ABOVE/w0, below which the form loses digits.
+    """
+    # `basis_apart` is for characteristic roots that are apart, from each other and from i Omega
+    # (`suits_lanes` asks for `K.apart`). G1, G2, G3 are the second to fourth derivative of v.
     decay = exp(-K.h * tau)
     (s_w, c_w) = sine_cosine(K.omega_d * tau)
     (s_Om, c_Om) = sine_cosine(K.Om * tau)
@@ -470,7 +479,7 @@ def slip(state, remaining, K):
     good, force, side, low, high, Delta, s, c = end_of_stick(state, belt, K)
     good = good & (remaining >= K.period) & (K.driven != 0)
     if not any_of(good):
-        return good, mode, mode, mode, state
+        return good, mode, mode, mode, state  # any numbers: no lane is good
     good, tau, slope, bend, s, c = slip_side_by_side(
         good, force, side, low, high, Delta, s, c, state, belt, K
     )
@@ -723,30 +732,31 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
     asked = tally.asked.extent or tally.asked.stuck or tally.asked.ring > 0
     K = table[sets[begin]]
     fullest = out.floats.shape[1]
-    # lengths of the queues, steps tried, and those that hold
+    # lengths of the queues; steps that lanes tried, and those whose result was kept
     waiting = np.zeros(2, np.int64)
     tried = 0
     kept = 0
     while rows < fullest and (tried < PROBE or LEAST_PART * kept > tried):
-        while begin < end and waiting[0] + waiting[1] < 2 * LANES:
+        while begin < end and waiting[FLYING] + waiting[STICKING] < 2 * LANES:
             if codes[begin] == RUNNING:
                 if states[begin].mode > ON_BELT:
-                    which = 1
+                    which = STICKING
                 else:
-                    which = 0
+                    which = FLYING
                 queue[which, waiting[which]] = begin
                 waiting[which] += 1
             begin += 1
-        if waiting[0] >= waiting[1]:
-            which = 0
+        if waiting[FLYING] >= waiting[STICKING]:
+            which = FLYING
         else:
-            which = 1
+            which = STICKING
         if waiting[which] < LANES // LEAST_PART:
             break
         taken = min(waiting[which], LANES)
         first = waiting[which] - taken
         waiting[which] = first
         for lane in range(LANES):
+            # Lanes that are left over repeat the first motion; their results are not looked at.
             i = queue[which, first + (lane if lane < taken else 0)]
             for n in range(OF_MOTION):
                 motions[n, lane] = number_in(states, i, n)
@@ -754,14 +764,15 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
                 for n in range(NUMBERS):
                     constants[n, lane] = number_in(table, sets[i], n)
         if alike:
-            good = block(which == 0, motions, results, accuracy, K)
+            good = block(which == FLYING, motions, results, accuracy, K)
         else:
-            good = block_of_sets(which == 0, motions, results, accuracy, constants)
+            good = block_of_sets(which == FLYING, motions, results, accuracy, constants)
         tried += taken
         if asked:
             tally_lanes(good, taken, queue[which, first:], results, batch, most, tally, table)
         for lane in range(taken):
             i = queue[which, first + lane]
+            # A good lane's result counts; else the scalar loop makes this step.
             if (good >> lane) & 1 and counts[i] < most:
                 if not asked:
                     put_state(states, i, results, lane)
@@ -778,11 +789,12 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
                 )
             if codes[i] == RUNNING:
                 if states[i].mode > ON_BELT:
-                    next_queue = 1
+                    next_queue = STICKING
                 else:
-                    next_queue = 0
+                    next_queue = FLYING
                 queue[next_queue, waiting[next_queue]] = i
                 waiting[next_queue] += 1
+    # What is still queued, or was not begun, goes on alone.
     for which in range(2):
         for n in range(waiting[which]):
             rows, _ = follow_one(

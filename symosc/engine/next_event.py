@@ -184,7 +184,7 @@ def apart_from_walls(end, tau_max, remaining, state, start, walls, K):
     while end.code == NOTHING and tau_max < remaining and tau_max <= 1.5 * K.chunk:
         if not ends_beside_wall(state, end.now, K):
             break
-        tau_max = past_end(tau_max + 0.125 * K.chunk, remaining)
+        tau_max = past_end(tau_max + 0.125 * K.chunk, remaining)  # an eighth of a chunk further
         end = first_exit(tau_max, start, walls, state.S, K)
     return end
 
@@ -311,6 +311,7 @@ def creeps_for_ever(state, K):
     v = state.v
     F = state.Fb
     S = state.S
+    # `kept` says that u >= 0 (see the top of the module), beyond doubt; the drift is that of r.
     terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
     if mode > 1:
@@ -322,9 +323,8 @@ def creeps_for_ever(state, K):
             kept = lower.limit_above >= 0.0
         else:
             kept = F - K.l2 * (v - lower.v) > noise
-        kept = kept or (
-            v == lower.v and F == 0.0 and lower.drift > 0.0
-        )  # u begins with 0 and grows
+        # or u begins with 0 and grows
+        kept = kept or (v == lower.v and F == 0.0 and lower.drift > 0.0)
         if not kept or lower.drift < 0.0:
             return False
     if mode < 3:
@@ -356,12 +356,12 @@ def flight_noise(state, now, K):
     jump = select(state.at == 1, K.belt1.J, K.belt2.J)
     forces = forces + select((state.at > 0) & (F0 == 0.0), jump, 0.0 * jump)
     x_noise = 1.25 * EPS * (abs(state.x) + (speed + forces * reach) * reach + abs(v0) * tau)
-    turned = (
-        0.5 * K.w0 * tau * (abs(now.E0) + K.w0 * abs(now.E1))
-    )  # phase of the free oscillation, as far as it lasts
+    # phase of the free oscillation, as far as it lasts
+    turned = 0.5 * K.w0 * tau * (abs(now.E0) + K.w0 * abs(now.E1))
     v_noise = 1.25 * EPS * ((2.0 + turned) * speed + forces * reach)
-    # then the errors of the constants, the same in every flight, add up: not as independent ones
     if K.lasting:
+        # The errors of the constants are the same in every flight: they add up, where independent
+        # ones would add up in squares.
         x_noise = sqrt(x_noise * (x_noise + 2.0 * sqrt(S.S11)))
         v_noise = sqrt(v_noise * (v_noise + 2.0 * sqrt(S.S22)))
     return x_noise, v_noise
@@ -407,10 +407,9 @@ def meet_belt(there, end, v_noise, remaining, K):
     now = end.now
     G1, G2, G3 = derivatives(v, F, now.s, now.c, K)
     t_error = passing_time(sqrt(S.S22), F, G1, G2, K)
-    uncertainty = (
-        2.0 * K.sigmas * t_error
-    )  # a gap that is F^2/(2 G1) deep is open if its error is as large as that
-    # As far as this precision tells the acceleration is 0 here.
+    # A gap that is F^2/(2 G1) deep is open if its error is as large as that.
+    uncertainty = 2.0 * K.sigmas * t_error
+    # Whether the acceleration is 0 here, as far as this precision tells.
     vague = end.code == TANGENCY or abs(F) <= (abs(G1) + abs(G2) * uncertainty) * uncertainty
     if vague and not (end.side * G2 > abs(G3) * uncertainty and abs(G1) <= abs(G2) * uncertainty):
         return graze_belt(there, G1, G2, G3, v_noise, now.tau, remaining, K)
@@ -452,25 +451,23 @@ def meet_belt(there, end, v_noise, remaining, K):
     else:
         where = resolve(v, Fb, Fa, now.s, now.c, K)
     if where == BELT:
-        S = Covariance(
-            S.S11, 0.0 * S.S12, 0.0 * S.S22
-        )  # the belt takes the error of the velocity away
+        # The belt takes the error of the velocity away.
+        S = Covariance(S.S11, 0.0 * S.S12, 0.0 * S.S22)
         held = State(
             ON_BELT + boundary, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low
         )
         return NextEvent(STICK, boundary, decided, t_error, held)
     if where == DOMAIN_ABOVE:
         out = Fa
-    else:
-        out = Fb
-    if where == DOMAIN_ABOVE:
         target = boundary + 1
     else:
+        out = Fb
         target = boundary
     if target == mode:  # a hit whose speed is lost in rounding
         zero = 0.0 * F
         touched = State(mode, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
         return NextEvent(GRAZE, boundary, False, t_error, touched)
+    # An error of v shifts the crossing in time, and the force changes there from F to `out`.
     if F != 0.0:
         ratio = out / F
     else:
@@ -487,9 +484,8 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
     G1 to G3 are v'' to v'''' there.
     """
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
-    if (
-        F * G1 < 0.0
-    ):  # from a crossing that is none as far as this precision tells to the touch behind
+    # From a crossing, which is none as far as this precision tells, to the touch behind it.
+    if F * G1 < 0.0:
         shift = min(-F / G1, remaining - tau)
         x = x + (v + (0.5 * F + SIXTH * G1 * shift) * shift) * shift
         n, theta, theta_low = advance_phase(n, theta, theta_low, shift, K)
@@ -589,7 +585,7 @@ def after_stick(state, end, remaining, K):
             mode, boundary, n, theta, x, v, Fb + Delta, Fa + Delta, S, t, t_low, s, c, theta_low
         )
         return NextEvent(END if tau >= remaining else MOVED, 0, True, 0.0, held)
-    if code != HIT:
+    if code != HIT:  # undecided: the force that may end the stick is set to 0
         if side < 0:
             Fb = zero
             Fa = -belt.J
@@ -644,11 +640,10 @@ def phase_after(theta, theta_low, tau, K):
     turn = K.Om * tau
     total = theta + turn
     part = total - theta
-    low = (theta - (total - part)) + (turn - part)
-    _, rest = two_product(K.Om, tau)
-    return total, theta_low + select(
-        abs(rest) < 1.0, low + rest, low
-    )  # else out of the range of doubles
+    low = (theta - (total - part)) + (turn - part)  # what rounding took from the sum (Knuth)
+    _, rest = two_product(K.Om, tau)  # and from the product
+    # A rest that is larger is out of the range of doubles.
+    return total, theta_low + select(abs(rest) < 1.0, low + rest, low)
 
 
 def in_two_parts(theta, theta_low):
@@ -686,6 +681,7 @@ def passes_at_once(error, speed, second, third):
     """Return whether `passing_time` is just error/speed, since the derivatives `second` and `third`
     are too small.
     """
+    # Each of them alone then changes the time by less than a thousandth of it.
     limit = 1e-3 * speed * speed
     return (error * abs(second) < limit) & (error * error * abs(third) < limit * speed)
 
@@ -704,7 +700,7 @@ def slow_passing_time(error, first, second, third, K):
     if second != 0.0:
         best = min(best, sqrt(2.0 * error / abs(second)))
     if third != 0.0:
-        return min(best, (6.0 * error / abs(third)) ** (2.0 * SIXTH))
+        return min(best, (6.0 * error / abs(third)) ** (2.0 * SIXTH))  # the cube root
     return best
 
 

@@ -78,7 +78,7 @@ class BeltStart(NamedTuple):
     """
 
     boundary: int
-    mode: int  # that it goes on in
+    mode: int  # in which it goes on
     below: Number  # the accelerations F^(below) and F^(above)
     above: Number
 
@@ -166,6 +166,7 @@ def start_rows(
     Fb = np.where(up, above, below)
     Fa = np.where(up | held, above, below)
     t, t_low, t_end, t_end_low, t0 = times
+    # A start is known to its rounding; the velocity on a belt is exact.
     rows = np.empty(len(at), STATE_ROW)
     rows["mode"] = np.where(held, ON_BELT + at, mode + up)
     rows["at"] = at
@@ -288,13 +289,13 @@ def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
 
 
 def longest_span(parameters: Parameters) -> Fraction:
-    """Return for how long a motion is followed.
+    """Return the longest time for which a motion is followed: MOST_PERIODS periods of the drive.
 
-    That is MOST_PERIODS of the drive or, if there is none, as many searches.
+    Without a drive it is MOST_PERIODS times the time that one search for an event covers.
     """
-    if parameters.B0 == 0:
+    if parameters.B0 == 0:  # no drive
         return MOST_PERIODS * Fraction(constants(parameters).chunk)
-    # 44/7 is a little more than 2 pi
+    # A period is 2 pi/Omega; the rational 44/7 is a little more than 2 pi.
     return Fraction(MOST_PERIODS * 44, 7) / parameters.Omega
 
 
@@ -325,8 +326,8 @@ def settles(start: Start) -> bool:
     """Return whether a start off the belts comes to rest without a contact, decided in rational
     numbers.
     """
-    # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g >= 0
-    # follows from the squares of its two parts.
+    # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g, with
+    # w = sqrt(square), follows from the squares of its two parts: all numbers stay rational.
     p = start.parameters
     if p.B0 != 0 or start.start_error or start.v0 in (p.v1, p.v2):
         return False
@@ -342,8 +343,9 @@ def settles(start: Start) -> bool:
         if boundary in (1, 2):
             v = p.belt(boundary)
             gap = side * (start.v0 - v)
-            part = side * a + h * gap
-            if side * p.k * v > 0 or (part < 0 and part * part > square * gap * gap):
+            rational_part = side * a + h * gap  # of u; the other part is w * gap >= 0
+            is_negative = rational_part < 0 and rational_part**2 > square * gap * gap
+            if side * p.k * v > 0 or is_negative:
                 return False
     return True
 

@@ -62,9 +62,9 @@ SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIG
 EVENTS_SO_FAR, STICKS, PLANE, SECTIONS, WHOLE, EARLY, LENGTH, LAST_LENGTH, CODE, SEARCHED, LIKE = (
     range(11)
 )
-# Columns of `Tally.flights`: domain, phase, position and velocity at the launch, duration, and own
-# extremes from there.
-MODE, THETA, X, V, DURATION, OWN = range(6)
+# Columns of `Tally.flights`: domain, phase, position and velocity at the launch, duration, and the
+# flight's own extremes.
+MODE, THETA, X, V, DURATION, OWN_X_MIN, OWN_X_MAX, OWN_V_MIN, OWN_V_MAX = range(9)
 KEPT_FLIGHTS = 8
 # Columns of `Tally.sections`: whether a flight reaches it, since when, the state at its launch, and
 # the variances.
@@ -217,17 +217,19 @@ def tally_step(i, before, event, t0, tally, K):
         tally_sections(i, before, after.n, after.S, tally, K)
     if event.code <= GRAZE:
         to_section = TWO_PI - after.theta
-        reach = 8.0 * (K.Om * event.t_error)
+        reach = 8.0 * (K.Om * event.t_error)  # eight standard errors of the phase
         near = to_section < AT_SECTION + (reach if reach < MOST_AT_SECTION else MOST_AT_SECTION)
         if near and ints[i, EARLY] == 0:
             close_word(i, tally)
             ints[i, EARLY] = 1
+        # `MAP_OF` is flat, with 6 modes and 3 belts (0: none).
         code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + event.boundary])
         if code > 0:
             length = ints[i, LENGTH]
             if length < tally.labels.shape[2]:
                 tally.labels[i, 0, length] = code
             ints[i, LENGTH] = length + 1
+            # a number whose digits to the base 9 are the mappings 1 to 8
             ints[i, CODE] = (ints[i, CODE] * 9 + code) % WORD_MODULUS
         ints[i, PLANE] = event.boundary
 
@@ -293,7 +295,10 @@ def keep_flight(i, state, tau, own, tally):
     flights[i, n, X] = state.x
     flights[i, n, V] = state.v
     flights[i, n, DURATION] = tau
-    flights[i, n, OWN], flights[i, n, OWN + 1], flights[i, n, OWN + 2], flights[i, n, OWN + 3] = own
+    flights[i, n, OWN_X_MIN] = own.x_min
+    flights[i, n, OWN_X_MAX] = own.x_max
+    flights[i, n, OWN_V_MIN] = own.v_min
+    flights[i, n, OWN_V_MAX] = own.v_max
 
 
 def lies_within(i, state, tau, seen, open_ends, tally, K):
@@ -325,15 +330,15 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
         if flights[i, n, MODE] == state.mode and tau <= flights[i, n, DURATION] * (
             1.0 + WIDTH_SLACK
         ):
-            far = abs(state.v - flights[i, n, V]) + K.w0 * abs(state.x - flights[i, n, X])
-            far = far + turned_by * abs(state.theta - flights[i, n, THETA])
-            v_far = far - v_slack
-            x_far = far * K.swing - x_slack
+            distance = abs(state.v - flights[i, n, V]) + K.w0 * abs(state.x - flights[i, n, X])
+            distance = distance + turned_by * abs(state.theta - flights[i, n, THETA])
+            v_distance = distance - v_slack
+            x_distance = distance * K.swing - x_slack
             if (
-                (not open_ends.v_min or flights[i, n, OWN + 2] - v_far >= seen.v_min)
-                and (not open_ends.v_max or flights[i, n, OWN + 3] + v_far <= seen.v_max)
-                and (not open_ends.x or flights[i, n, OWN] - x_far >= seen.x_min)
-                and (not open_ends.x or flights[i, n, OWN + 1] + x_far <= seen.x_max)
+                (not open_ends.v_min or flights[i, n, OWN_V_MIN] - v_distance >= seen.v_min)
+                and (not open_ends.v_max or flights[i, n, OWN_V_MAX] + v_distance <= seen.v_max)
+                and (not open_ends.x or flights[i, n, OWN_X_MIN] - x_distance >= seen.x_min)
+                and (not open_ends.x or flights[i, n, OWN_X_MAX] + x_distance <= seen.x_max)
             ):
                 tally.ints[i, LIKE] = n
                 return True
@@ -391,6 +396,7 @@ def close_word(i, tally):
     ring = tally.words.shape[1]
     length = ints[i, LENGTH]
     if ints[i, WHOLE] == 1:
+        # Words are told apart by their code and their length, which makes the last 6 bits.
         tally.words[i, ints[i, SECTIONS] % ring] = ints[i, CODE] * 64 % WORD_MODULUS + length % 64
         for n in range(min(length, labels.shape[2])):
             labels[i, 1, n] = labels[i, 0, n]
@@ -428,9 +434,8 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
     tally.floats[i, T_LAST] = t
     tally.floats[i, X_LAST] = x
     tally.floats[i, V_LAST] = v
-    if (
-        code in (END, REST) and tally.asked.ring > 0 and TWO_PI - theta < AT_SECTION
-    ):  # a section that is just ahead
+    section_is_ahead = TWO_PI - theta < AT_SECTION
+    if code in (END, REST) and tally.asked.ring > 0 and section_is_ahead:
         clock = t, last.t_low, sin(theta), cos(theta), 0.0
         state = State(last.mode, last.at, n, theta, x, v, last.Fb, last.Fa, last.S, *clock)
         keep_section(i, state, 0.0, state.S.S11, state.S.S22, tally)
@@ -490,7 +495,7 @@ def rest_stretches(i, state, remaining, t0, tally, K):
 def flown(x, start, tau, s_Om, c_Om, K):
     """Return x and v of a flight `tau` after its Launch `start` at `x`.
 
-    S_Om, c_Om: sine and cosine of Omega tau.
+    `s_Om` and `c_Om` are sine and cosine of Omega tau.
     """
     E0, E1, E2, R2, I2, _, _ = basis_with_drive(tau, s_Om, c_Om, K)
     dx, dv, _ = motion(
@@ -549,8 +554,8 @@ def same_words(i, m, tally):
 
 
 def same_sections(i, m, tally, K):
-    """Return whether the last m sections equal the m before, up to 1e-6 of the ranges of x and v,
-    plus 8 errors.
+    """Return whether the last m sections equal the m before, up to SAME_PART of the ranges of x and
+    v, plus SAME_ERRORS errors.
     """
     floats = tally.floats
     there = tally.ints[i, SECTIONS]
@@ -584,6 +589,7 @@ def section(i, n, tally, K):
     if kept[FLIES] > 0.0:
         s = sin(theta)
         c = cos(theta)
+        # At a section Omega t = 2 pi n, so that Omega tau = -theta but for whole turns.
         x, v = flown(x, Launch(v, kept[FROM_F], s, c), tau, -s, c, K)
     else:
         x = x + v * tau
@@ -631,7 +637,7 @@ def flight_extremes(begin, last, start, x0, own, open_ends, K):
             then = state_at(now.tau + cell, start, K)
             own = widened(own, x0 + then.dx, start.v + then.dv)
         wider = cell_extremes(now, then, M4, start, x0, own, open_ends, K)
-        if wider == own:
+        if wider == own:  # nothing new was found: longer cells may do
             cell = 2.0 * cell
         else:
             cell = FIRST_CELL * K.moment
@@ -689,17 +695,17 @@ def cell_within(now, then, M4, v0, x0, seen, open_ends):
 
 
 @outlined
-def within(reach, way, now, M4, v0, x0, seen, open_ends):
-    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now` (or
-    before: way -1).
+def within(reach, direction, now, M4, v0, x0, seen, open_ends):
+    """Return whether a flight stays in the extremes `seen` for a time `reach` after point `now`
+    (`direction` 1), or before it (-1).
     """
     v = v0 + now.dv
     x = x0 + now.dx
     if open_ends.v_max or open_ends.v_min:
         slack = WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
-        slope = way * now.F
+        slope = direction * now.F
         half = 0.5 * now.G1
-        third = way * SIXTH * now.G2
+        third = direction * SIXTH * now.G2
         fourth = -0.25 * SIXTH * M4
         if open_ends.v_max and not stays_positive(
             reach, seen.v_max - v + slack, -slope, -half, -third, fourth
@@ -713,9 +719,9 @@ def within(reach, way, now, M4, v0, x0, seen, open_ends):
         return True
     slack = WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
     M3 = abs(now.G2) + (abs(now.G3) + 0.5 * M4 * reach) * reach
-    slope = way * v
+    slope = direction * v
     half = 0.5 * now.F
-    third = way * SIXTH * now.G1
+    third = direction * SIXTH * now.G1
     fourth = -0.25 * SIXTH * M3
     return stays_positive(
         reach, seen.x_max - x + slack, -slope, -half, -third, fourth
@@ -723,13 +729,11 @@ def within(reach, way, now, M4, v0, x0, seen, open_ends):
 
 
 def stays_positive(reach, p0, p1, p2, p3, p4):
-    """Return whether p0 + p1 s + ...
-
-    + p4 s^4 is proven positive for s in [0, reach], even if it falls at first.
+    """Return whether the polynomial with the coefficients p0 to p4 is proven positive on [0, reach],
+    even if it falls at first.
     """
-    if (
-        p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2
-    ):  # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
+    # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
+    if p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2:
         return positive_on(reach, (p0 - 0.5 * p1 * p1 / p2, 0.0, 0.5 * p2, p3, p4))
     return positive_on(reach, (p0, p1, p2, p3, p4))
 
@@ -741,7 +745,11 @@ def cut_at(now, then, start, open_ends, K):
     """
     width = then.tau - now.tau
     for of_v in (True, False):
-        if not (open_ends.v_min or open_ends.v_max if of_v else open_ends.x):
+        if of_v:
+            in_question = open_ends.v_min or open_ends.v_max
+        else:
+            in_question = open_ends.x
+        if not in_question:
             continue
         first, rise, _ = rates(now, of_v, start)
         last, rise_last, _ = rates(then, of_v, start)

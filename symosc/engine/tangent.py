@@ -131,7 +131,7 @@ def piece_changes(start, t, turn, codes, deep, letters, K, work):
     # repeated roots: those for m, c, k and Omega. `codes` are the numbers of the parameters and
     # start values, one for each column.
     if start.mode > ON_BELT:
-        belt = V1 + start.mode - ON_BELT - 1
+        belt = V1 + start.mode - ON_BELT - 1  # the code of the belt's speed
         for j in range(len(codes)):
             if codes[j] == belt:
                 work[END_V, j] = 1.0 + 0.0 * t
@@ -229,9 +229,9 @@ def vanishing_times(domain, now, codes, letters, K, work):
     Return REGULAR, or what is wrong.
     """
     # Rows END_X and END_V have the derivatives of x and v at this fixed time.
-    of_way, of_drive = force_changes(domain, now, codes, letters, K, work)
-    rate = of_way + of_drive
-    rounding = EPS * (abs(of_way) + abs(K.f0 * K.Om))
+    by_motion, by_drive = force_changes(domain, now, codes, letters, K, work)
+    rate = by_motion + by_drive
+    rounding = EPS * (abs(by_motion) + abs(K.f0 * K.Om))
     flat = abs(rate) <= VANISHES * rounding
     for j in range(len(codes)):
         work[DT, j] = -work[SIZE, j] / (1.0 if flat else rate)
@@ -251,7 +251,7 @@ def contact_times(domain, far_domain, belt, now, a, codes, K, work):
     # may know it worse.
     for j in range(len(codes)):
         if codes[j] == belt:
-            own = 1.0
+            own = 1.0  # the belt's speed itself changes
         else:
             own = 0.0
         work[DT, j] = (own - work[END_V, j]) / (1.0 if a == 0.0 else a)
@@ -273,7 +273,7 @@ def kinks(above, belt, codes, marks, n, regular, before, work):
     has_kink = False
     for j in range(len(regular)):
         if codes[j] == belt:
-            own = 1.0
+            own = 1.0  # the belt's speed itself changes
         else:
             own = 0.0
         moved = work[END_V, j] - own
@@ -302,44 +302,45 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
     count = dts.shape[1]
     for i in motions:
         K = table[sets[i]]
-        mine = letters_of(letters[sets[i]])
+        own_letters = letters_of(letters[sets[i]])
         start = launch_at(starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3], starts[i, 4])
-        regular = begin(start, codes, count, mine, K, work)
+        regular = begin(start, codes, count, own_letters, K, work)
         for n in range(cuts[i], cuts[i + 1]):
             now = launch_at(targets[n], times[n], thetas[n], xs[n], vs[n])
             turn = phase_between(start, now.t, now.theta, K)
             boundary = boundaries[n]
             kind = kinds_[n]
-            belt = V1 + boundary - 1
+            belt = V1 + boundary - 1  # the code of the belt's speed
             kept = work
             touched = False
-            if kind == GRAZE:  # what is usual on the way there is the scale of what vanishes
+            # What is usual on the way to a graze is the scale of what vanishes there.
+            if kind == GRAZE:
                 piece_changes(
                     start,
                     start.t + GOLDEN * (now.t - start.t),
                     GOLDEN * turn,
                     codes,
                     deep,
-                    mine,
+                    own_letters,
                     K,
                     work,
                 )
                 kept = work[: SIZE + 1].copy()
-            a = piece_changes(start, now.t, turn, codes, deep, mine, K, work)
+            a = piece_changes(start, now.t, turn, codes, deep, own_letters, K, work)
             if kind == GRAZE:
                 touched = kinks(start.mode != boundary, belt, codes, marks, n, regular, kept, work)
-                vanishing_times(start.mode, now, codes, mine, K, work)
+                vanishing_times(start.mode, now, codes, own_letters, K, work)
                 if touched:
-                    why = KINK
+                    reason = KINK
                 else:
-                    why = REGULAR
+                    reason = REGULAR
             elif start.mode > ON_BELT:
-                why = vanishing_times(now.mode, now, codes, mine, K, work)
+                reason = vanishing_times(now.mode, now, codes, own_letters, K, work)
             else:
-                why = contact_times(
+                reason = contact_times(
                     start.mode, boundary + (start.mode == boundary), belt, now, a, codes, K, work
                 )
-            reasons[n] = why
+            reasons[n] = reason
             for j in range(len(codes)):
                 work[DX, j] = work[END_X, j] + now.v * work[DT, j]
                 if codes[j] == belt:
@@ -347,7 +348,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
                 else:
                     work[DV, j] = 0.0 * now.t
             for j in range(count):
-                regular[j] = regular[j] and why <= ROUGH
+                regular[j] = regular[j] and reason <= ROUGH
                 dts[n, j] = work[DT, j]
                 dxs[n, j] = work[DX, j]
                 if not touched or marks[n, j] == 0:
@@ -372,14 +373,16 @@ def changes_at(times, pieces, starts, launched, codes, deep, letters, table, out
     # as in `tangents`; `launched` (3, pieces, columns) are the derivatives of t, x and v where they
     # begin.
     K = table[0]
-    mine = letters_of(letters[0])
+    own_letters = letters_of(letters[0])
     for n in range(len(times)):
         i = pieces[n]
         start = launch_at(starts[i, 0], starts[i, 1], starts[i, 2], starts[i, 3], starts[i, 4])
         for j in range(len(codes)):
             for row in range(DV + 1):
                 work[row, j] = launched[row, i, j]
-        piece_changes(start, times[n], K.Om * (times[n] - start.t), codes, deep, mine, K, work)
+        piece_changes(
+            start, times[n], K.Om * (times[n] - start.t), codes, deep, own_letters, K, work
+        )
         for j in range(len(codes)):
             out[0, n, j] = work[END_X, j]
             out[1, n, j] = work[END_V, j]
@@ -410,12 +413,11 @@ def begin(start, codes, count, letters, K, work):
             for j in range(count):
                 work[END_X, j] = work[DX, j]
                 work[END_V, j] = 0.0 * start.t
-            of_way, of_drive = force_changes(domain, start, codes[:count], letters, K, work)
-            turns = abs(of_drive) <= UNMOVED * abs(
-                K.f0 * K.Om
-            )  # then another t0 changes it as cos(Omega t) bends
+            by_motion, by_drive = force_changes(domain, start, codes[:count], letters, K, work)
+            # At a turn of the drive another t0 changes the force as cos(Omega t) bends.
+            turns = abs(by_drive) <= UNMOVED * abs(K.f0 * K.Om)
             for j in range(count):
-                later = codes[j] == T0 and not (turns and of_way * start.c * K.f0 <= 0.0)
+                later = codes[j] == T0 and not (turns and by_motion * start.c * K.f0 <= 0.0)
                 if work[SIZE, j] != 0.0 or later:
                     regular[j] = False
     return regular

@@ -88,7 +88,7 @@ def closed_form(tau, s, c, K):
 def series(tau, cm, w0sq, Om):
     """Return the responses E0, E1, E2, R2, I2 of `basis` by Taylor series.
 
-    Cm is c/m, w0sq k/m and Om Omega.
+    `cm` is c/m, `w0sq` k/m and `Om` Omega.
     """
     # The n-th derivatives at 0 obey s[n+1] = -cm s[n] - w0sq s[n-1] (for S) and z[n+1] = s[n] + i
     # Omega z[n] (for Z).
@@ -129,9 +129,8 @@ def careful(tau, s, c, K):
     """Return the responses E0, E1, E2, R2, I2 of `basis` by divided differences, where others lose
     digits.
     """
-    if (
-        K.rate0 * tau < SERIES_BELOW
-    ):  # a fast drive on a slow oscillator: only Z needs divided differences
+    # With a fast drive on a slow oscillator only Z needs divided differences.
+    if K.rate0 * tau < SERIES_BELOW:
         E0, E1, E2, _, _ = series(tau, K.cm, K.w0sq, 0.0)
     else:
         E0, E1 = impulse(tau, K)
@@ -171,7 +170,7 @@ def impulse_integral(tau, E1, K):
 def wave_integrals(tau, s, c, E1, K):
     """Return R2 and I2: the response to the force exp(i Omega t) is R2 + i I2.
 
-    S, c are sin, cos(Omega tau).
+    `s` and `c` are sine and cosine of Omega tau.
     """
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om

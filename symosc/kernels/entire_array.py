@@ -58,7 +58,7 @@ def apart(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> Any:
 def series(tau: np.ndarray, cm: float, w0sq: float, Om: float) -> tuple[np.ndarray, ...]:
     """Return the responses E0 to I2 of `basis` for short times by Taylor series.
 
-    Cm is c/m, w0sq k/m, Om Omega.
+    `cm` is c/m, `w0sq` k/m and `Om` Omega.
     """
     before = 0.0 * tau
     term = tau
@@ -104,9 +104,8 @@ def careful(tau: np.ndarray, s: np.ndarray, c: np.ndarray, K: Any) -> tuple[np.n
         decay = np.exp(K.l1 * tau)
         E1 = decay * spread
         E0 = decay * (K.l1 * spread + np.exp(-gap * tau))
-    slow = (
-        K.rate0 * tau < SERIES_BELOW
-    )  # a fast drive on a slow oscillator: only Z needs divided differences
+    # With a fast drive on a slow oscillator only Z needs divided differences.
+    slow = K.rate0 * tau < SERIES_BELOW
     if l2 != 0.0:
         E2 = ((expm1_over(l1, tau) - E1) / -l2).real
     else:

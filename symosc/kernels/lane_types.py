@@ -163,6 +163,7 @@ _fabs = _llvm_intrinsic("fabs")
 
 @overload(math.sqrt)
 def _root(x):
+    """Provide numba's `math.sqrt` for lanes."""
     if isinstance(x, LanesType):
         return lambda x: _sqrt(x)
     return None
@@ -170,6 +171,7 @@ def _root(x):
 
 @overload(abs)
 def _size(x):
+    """Provide numba's `abs` for lanes."""
     if isinstance(x, LanesType):
         return lambda x: _fabs(x)
     return None
@@ -190,6 +192,7 @@ def _power_of_two(typingctx: Any, n: Any) -> Any:
         def constant(of: Any, value: Any) -> Any:
             return ir.Constant(of, [value] * kind.count if many else value)
 
+        # After the addition n stands in the last bits; shifted by 52 it is the exponent.
         bits = builder.bitcast(builder.fadd(arguments[0], constant(kind, TO_INTEGER)), whole)
         bits = builder.shl(builder.add(bits, constant(whole, 1023)), constant(whole, 52))
         return builder.bitcast(bits, kind)
@@ -351,6 +354,8 @@ def store_tuple(typingctx: Any, array: Any, values: Any) -> Any:
 
 @intrinsic
 def _without_owner(typingctx: Any, arrays: Any) -> Any:
+    """Return arrays, and those in tuples, as views without an owner whose references numba counts."""
+
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         def without(kind: Any, value: Any) -> Any:
             if isinstance(kind, types.BaseTuple):

@@ -148,12 +148,12 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
         l1 = complex(K.l1, zero)
         l2 = complex(K.l2, zero)
     nodes = (complex(zero, zero), complex(zero, K.Om), l1, l2)
+    # one place for each key (`key_of`)
     known = [complex(zero, zero)] * 54
     there = [False] * 54
     U1 = divided_difference(0, 0, 2, 2, nodes, tau, known, there)
-    U0 = l1 * U1 + divided_difference(
-        0, 0, 1, 2, nodes, tau, known, there
-    )  # Leibniz' rule for z exp(z tau)
+    # Leibniz' rule for z exp(z tau)
+    U0 = l1 * U1 + divided_difference(0, 0, 1, 2, nodes, tau, known, there)
     U2 = divided_difference(1, 0, 2, 2, nodes, tau, known, there)
     Z = divided_difference(0, 1, 2, 2, nodes, tau, known, there)
     Y = divided_difference(0, 2, 1, 1, nodes, tau, known, there)
@@ -195,9 +195,8 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
 
 
 def key_of(counts):
-    """Return the index (0 to 53) of a divided difference in the cache.
-
-    It takes node i `counts[i]` times.
+    """Return the index (0 to 53) in the cache of the divided difference that takes node i
+    `counts[i]` times: the first at most once, others at most twice.
     """
     return ((counts[0] * 3 + counts[1]) * 3 + counts[2]) * 3 + counts[3]
 
@@ -308,7 +307,7 @@ def kinds_of(theta_i, theta_j, K, kinds):
 
 
 def load(block, points, begin):
-    """Copy up to 256 pairs of points, from number `begin` on, into four rows of `block`.
+    """Copy up to BLOCK pairs of points, from number `begin` on, into the first four rows of `block`.
 
     Return how many.
     """
@@ -317,6 +316,7 @@ def load(block, points, begin):
         column = points[row]
         for n in range(count):
             block[row * BLOCK + n] = column[begin + n]
+        # What is left repeats a point: the loops run over whole blocks.
         for n in range(count, BLOCK):
             block[row * BLOCK + n] = column[begin]
     return count
@@ -340,7 +340,7 @@ def flights(points, speeds, A, K, f):
     `speeds`.
     """
     v_i, v_j = speeds
-    block = np.empty(6 * BLOCK)
+    block = np.empty(6 * BLOCK)  # 4 rows of points, 2 of residuals
     for begin in range(0, len(points[0]), BLOCK):
         count = load(block, points, begin)
         for n in range(BLOCK):
@@ -360,6 +360,7 @@ def flights_and_slopes(points, speeds, A, K, f, J):
     A_alpha/m.
     """
     v_i, v_j = speeds
+    # Rows: 4 of points, 2 of residuals, 3 of derivatives of each. Those by x_j are constant.
     block = np.empty(12 * BLOCK)
     J[0, 2] = -1.0
     J[1, 2] = 0.0
@@ -390,7 +391,7 @@ def sticks(points, v, sides, K, f):
     """
     # `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
     below, above = sides
-    block = np.empty(6 * BLOCK)
+    block = np.empty(6 * BLOCK)  # 4 rows of points, 2 of residuals
     for begin in range(0, len(points[0]), BLOCK):
         count = load(block, points, begin)
         for n in range(BLOCK):

@@ -115,7 +115,7 @@ class FixedContext(MPContext):
     def lu_solve(self, A: Any, b: Any) -> Any:
         """Solve A x = b, A square, in this precision.
 
-        Mpmath's own method changes the precision meanwhile.
+        The method of mpmath itself changes the precision meanwhile.
         """
         factors, order = self.LU_decomp(self.matrix(A))
         return self.U_solve(factors, self.L_solve(factors, self.matrix(b), order))
@@ -186,7 +186,8 @@ class BasisMP:
     def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
         """Return l1, l2, i Omega in a context.
 
-        Roots l1, l2 of the free motion: slow, fast or upper, lower complex.
+        The roots l1, l2 of the free motion are the slow and the fast one or, if they are complex,
+        the one with positive imaginary part first.
         """
         h, w0sq, Om = (_number(q, context) for q in (self.h, self.w0sq, self.Om))
         square = self.w0sq - self.h * self.h
@@ -200,15 +201,11 @@ class BasisMP:
             else:
                 l1 = context.mpf(0)
             l2 = -(h + w)
-        if (
-            self.h == 0 and self.w0sq == self.Om * self.Om
-        ):  # undamped resonance, decided in rational numbers
+        # Equal roots are decided in rational numbers: those that differ by rounding would be divided
+        # by their difference.
+        if self.h == 0 and self.w0sq == self.Om * self.Om:  # undamped resonance
             return context.mpc(0, Om), context.mpc(0, -Om), context.mpc(0, Om)
-        if (
-            square == 0
-            # so is critical damping: roots that differ by rounding would be divided by their
-            # difference
-        ):
+        if square == 0:  # critical damping
             return -h, -h, context.mpc(0, Om)
         return l1, l2, context.mpc(0, Om)
 

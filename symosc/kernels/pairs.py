@@ -221,12 +221,14 @@ def _fma(b: Any, x: Any, y: Any, z: Any) -> Any:
 
 
 def _two_sum(b: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    """Return LLVM code for the rounded sum of two doubles, and for its rounding error (Knuth)."""
     s = b.fadd(x, y)
     rest = b.fsub(s, x)
     return s, b.fadd(b.fsub(x, b.fsub(s, rest)), b.fsub(y, rest))
 
 
 def _fast_sum(b: Any, x: Any, y: Any) -> tuple[Any, Any]:
+    """Return LLVM code as `_two_sum` does, in fewer operations, for |x| >= |y| (Dekker)."""
     s = b.fadd(x, y)
     return s, b.fsub(y, b.fsub(s, x))
 
@@ -351,7 +353,7 @@ def _from_complex(typingctx: Any, value: Any) -> Any:
             if isinstance(kind, types.BaseTuple):
                 kinds = list(iter(kind))  # type: ignore[call-overload]
                 entries = [
-                    made(each, builder.extract_value(part, i)) for i, each in enumerate(kinds)
+                    made(inner, builder.extract_value(part, i)) for i, inner in enumerate(kinds)
                 ]
                 return context.make_tuple(builder, _with_pairs(kind), entries)
             return part
@@ -497,6 +499,7 @@ def turned_sine(x, quarters):
     # The angle is a multiple j of pi/1024, which the table has, and a rest of at most pi/2048, for
     # which Taylor's series takes five terms; only their first coefficients need two doubles.
     steps = math.floor(x.hi * PER_TURN + 0.5)
+    # pi/1024 has three parts, so that the difference loses no digits.
     many = pair(float(steps), 0.0)
     rest = ((x - many * TURN1) - many * TURN2) - many * TURN3
     square = rest * rest
@@ -509,7 +512,7 @@ def turned_sine(x, quarters):
     beside = pair(float(SINES_HIGH[QUARTER - i]), float(SINES_LOW[QUARTER - i]))
     if j & QUARTER:
         at, beside = beside, -at
-    value = at + (at * c + beside * s)
+    value = at + (at * c + beside * s)  # sin(a + r) = sin a + sin a (cos r - 1) + cos a sin r
     if j & (2 * QUARTER):
         return -value
     return value

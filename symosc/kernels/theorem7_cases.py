@@ -152,6 +152,7 @@ def window(k, v, B, Omega, side, full):
     # An ARC reaches from low up to high, both excluded, a WRAPPED_ARC from low through 0 to high.
     # With ALL_BUT_ONE, low = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0
     # Omega| for numbers that are no doubles. theta_cr is nan where Theta_cr does not exist.
+    # The products p = k v and q = B0 Omega: high and low part, to be multiplied by 2^exponent.
     ph, pl, pe = scaled_product(k[0], k[1], v[0], v[1])
     qh, ql, qe = scaled_product(B[0], B[1], Omega[0], Omega[1])
     p_sign = sign(ph)
@@ -187,8 +188,8 @@ def window(k, v, B, Omega, side, full):
         else:
             point = THREE_HALVES_PI
         return kind, point, point, theta_cr
-    ah, al = pair_asin(ph, pl, qh, ql)
-    # no -0.0
+    ah, al = pair_asin(ph, pl, qh, ql)  # |theta_cr|, high and low part
+    # + 0.0: no -0.0
     ah = slope * ah + 0.0
     al = slope * al
     turned, _ = pair_sum(PI_PAIR[0], PI_PAIR[1], -ah, -al)  # pi - theta_cr
@@ -199,9 +200,9 @@ def window(k, v, B, Omega, side, full):
 
 
 def windows(pairs, side, full, columns):
-    """Fill `columns` (kind, low, high, theta_cr) by `window`.
+    """Fill `columns` (kind, low, high, theta_cr) by `window`, row by row.
 
-    `pairs` are arrays: two parts each of k, v, B, Omega.
+    `pairs` are arrays: high and low parts of k, of v, of B and of Omega.
     """
     kh, kl, vh, vl, Bh, Bl, Oh, Ol = pairs
     kind, low, high, theta_cr = columns

@@ -178,8 +178,10 @@ class CompiledResidual:
             results: tuple[np.ndarray, ...] = (f,)
         else:
             results = (f, J)
+        # the function of `symosc.kernels.mapping` that fills the results
         name = ("sticks" if row.sticks else "flights") + ("" if J is None else "_and_slopes")
         if row.sticks:
+            # Only the C library's functions reduce angles as large as that.
             wide = n > 0 and max(points[3].max(), -points[3].min()) > elementary.WIDEST
             v, sides = stick_arguments(row, K, self.exit)
             _loops(WIDE if wide else CLOSED_FORM)[name](points, v, sides, K, *results)
@@ -228,10 +230,10 @@ def _read(
     shapes = [array.shape for array in arrays]
     if len(set(shapes)) > 1 or len(shapes[0]) != dimensions:
         if dimensions == 1:
-            how = "one-dimensional arrays of one length"
+            allowed = "one-dimensional arrays of one length"
         else:
-            how = "two-dimensional arrays of one shape"
-        raise ParameterError("points", shapes, f"must be {how}")
+            allowed = "two-dimensional arrays of one shape"
+        raise ParameterError("points", shapes, f"must be {allowed}")
     return arrays
 
 

@@ -222,9 +222,11 @@ def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit:
 
 def _jacobian(row: Map, numbers: MapArithmetic, points: Sequence[Numbers]) -> Any:
     """Return the derivatives of f1 and f2 with respect to x_i, theta_i, x_j, theta_j, in two rows."""
+    # In names such as x_th0 the first letter is the equation (x: f1, v: f2), then follows the
+    # variable (x or th for theta) at the start (0) or the end (1).
     K = numbers.K
     (x_i, theta_i, _, theta_j) = points
-    unit = 1 + 0 * x_i
+    unit = 1 + 0 * x_i  # 1 and 0 of the kind and shape of x_i: float, array or mpmath number
     zero = 0 * x_i
     if row.sticks:
         v, _ = stick_arguments(row, K, None)
@@ -250,11 +252,12 @@ def _parameter_jacobian(
     end = f"v{row.end.boundary}"
     if row.sticks:
         v_i, _ = stick_arguments(row, K, None)
-        forces = [_residual(row, numbers, points, way)[1] for way in EXITS]
+        forces = [_residual(row, numbers, points, side)[1] for side in EXITS]
+        below, above = forces
         if exit:
             i = EXITS.index(exit)
-        else:
-            i = int(not abs(forces[0]) <= abs(forces[1]))
+        else:  # the exit with the smaller force, as in `_residual`
+            i = int(not abs(below) <= abs(above))
         domain = NEIGHBOURS[row.start.boundary][i]
         derivatives = numbers.of["stick_by_parameters"](x_j, theta_i, theta_j, v_i, forces[i], m, K)
         v_c, v_k, v_A, v_B, v_v0, v_m, x_Om, x_v0 = derivatives
@@ -264,19 +267,21 @@ def _parameter_jacobian(
         *letters, x_v0, v_v0 = numbers.of["flight_by_parameters"](
             x_i, theta_i, theta_j, v_i, A, m, K
         )
-        by_letter = list(zip(letters[::2], letters[1::2], strict=True))
+        by_letter = list(zip(letters[::2], letters[1::2], strict=True))  # pairs (f1, f2)
     columns = dict(zip(("m", "c", "k", "A0", "B0", "Omega"), by_letter, strict=True))
     columns |= {"v1": (zero, zero), "v2": (zero, zero), begin: (x_v0, v_v0)}
-    if end != begin:  # f2 = (v - v_i) + (v_i - v_j), whose last part vanishes when it is one belt
+    # Of a flight f2 = (v - v_i) + (v_i - v_j), whose last part vanishes if both are one belt.
+    if end != begin:
         columns |= {begin: (x_v0, 1 + v_v0), end: (zero, zero - 1)}
     x_A, v_A = columns["A0"]
     (drag1, drag2) = friction_signs(domain)
     (mu1, mu2, FN) = map(numbers.number, (p.mu1, p.mu2, p.FN))
+    # Friction acts through A_alpha = A0 + FN (drag1 mu1 + drag2 mu2) alone: the chain rule.
     for name, weight in (
         ("mu1", drag1 * FN),
         ("mu2", drag2 * FN),
         ("FN", drag1 * mu1 + drag2 * mu2),
-    ):  # of A_alpha
+    ):
         columns[name] = x_A * weight, v_A * weight
     return tuple(tuple(columns[name][equation] for name in PARAMETER_NAMES) for equation in (0, 1))
 
@@ -397,9 +402,8 @@ def _in_blocks(
 
 def _matrix(rows: Any) -> np.ndarray:
     """Return rows of numbers as an array of floats, or of mpmath numbers."""
-    return np.array(
-        rows, dtype=object if hasattr(rows[0][0], "_mpf_") else float
-    )  # all are of one kind
+    first_entry = rows[0][0]  # all are of one kind
+    return np.array(rows, dtype=object if hasattr(first_entry, "_mpf_") else float)
 
 
 # --- the next switching point ---
@@ -468,9 +472,8 @@ class MapPoint:
     theta: Number
     exit: str | None
     grazing: bool
-    derivative: np.ndarray | None = field(
-        compare=False
-    )  # follows from the rest; arrays have no single ==
+    # It follows from the rest, and arrays have no single ==.
+    derivative: np.ndarray | None = field(compare=False)
 
 
 @public
@@ -540,6 +543,8 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     derivative = None
     if not grazing:
         J = jacobian(p, label, (x, theta), (x_j, theta_j))
+        # Implicit function theorem: minus the inverse of the block of the end, times that of the
+        # start, by Cramer's rule.
         start = J[:, :2]
         ((x_x1, x_th1), (v_x1, v_th1)) = J[:, 2:]
         determinant = x_x1 * v_th1 - x_th1 * v_x1

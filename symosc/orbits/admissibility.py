@@ -176,17 +176,10 @@ def _flight(
     arrival = side * equations.force(piece.mode, end[0], v_end, end[1])
     rank = ARRIVAL
     size = sizes.a
-    if (
-        piece.zeros == 2
-        # at the end of a short slip the force is lost in rounding, its change since the start is
-        # not
-    ):
-        arrival = (
-            side
-            * equations.arithmetic.namespace["state_at"](
-                tau, equations.start_of_flight(piece, start), K
-            ).F
-        )
+    # At the end of a short slip the force is lost in rounding, its change since the start is not.
+    if piece.zeros == 2:
+        state_at = equations.arithmetic.namespace["state_at"]
+        arrival = side * state_at(tau, equations.start_of_flight(piece, start), K).F
         rank = STAYS_INSIDE
         size = sizes.a * short
     yield (
@@ -278,12 +271,12 @@ def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Nu
     c0 = equations.cos(start[1])
     below = equations.force(piece.start, start[0], belt.v, start[1])
     for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
-        turn = (angle - start[1]) % names["TWO_PI"] / K.Om
-        while 0 < turn < tau:
-            now = below + names["force_gain"](turn, s0, c0, belt, K)[0]
+        elapsed = (angle - start[1]) % names["TWO_PI"] / K.Om
+        while 0 < elapsed < tau:
+            now = below + names["force_gain"](elapsed, s0, c0, belt, K)[0]
             hold, domain = min((now, piece.start), (belt.J - now, piece.start + 1))
-            yield hold, start[1] + K.Om * turn, domain
-            turn += K.period
+            yield hold, start[1] + K.Om * elapsed, domain
+            elapsed += K.period
 
 
 def extrema(
@@ -303,9 +296,8 @@ def extrema(
         v0, a0, s0, c0, coarse.cm, coarse.w0sq, coarse.f0, coarse.Om, *basis(times, coarse)[:5]
     )
     rising = slopes > 0
-    for j in np.flatnonzero(slopes[:-1] == 0)[
-        ::-1
-    ]:  # a sample just at a turn belongs to what follows
+    # A sample just at a turn belongs to what follows; backward, as several may follow each other.
+    for j in np.flatnonzero(slopes[:-1] == 0)[::-1]:
         rising[j] = rising[j + 1]
     turns = np.flatnonzero(rising[:-1] != rising[1:])
     return [_extremum(times[j], times[j + 1], rising[j], flight, equations) for j in turns]
@@ -320,9 +312,8 @@ def _extremum(
     states = equations.arithmetic.namespace["state_at"]
     K = equations.K
     number = equations.number
-    allowed = (
-        64.0 * equations.arithmetic.namespace["EPS"]
-    )  # to which an extremum is known, as a part of its time
+    # to which an extremum is known, as a part of its time
+    allowed = 64.0 * equations.arithmetic.namespace["EPS"]
     low = number(low)
     high = number(high)
     tau = (low + high) / 2
@@ -465,12 +456,10 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
         equations.pieces, equations.durations(np.asarray(points)), strict=True
     ):
         rows += [x_size, sizes.a if piece.sticks else sizes.v]
-        if piece.zeros:
+        if piece.zeros:  # f2 is divided by the duration to this power (`residuals`)
             rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration))
-        else:
-            rows[-1] *= 1
     try:
-        moved = linear.inverse(equations.matrix(points))[1::2]
+        moved = linear.inverse(equations.matrix(points))[1::2]  # the rows of the phases
     except ZeroDivisionError:
         return True
     return bool(linear.product(np.abs(moved), np.array(rows)).max() * EPS > MARGINAL)
@@ -519,6 +508,7 @@ def engine_contradiction(
     size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(
         abs(float(K.belt1.v)), abs(float(K.belt2.v))
     )
+    # Each event must be the one that begins the next piece, at its time and place.
     for j in range(1, len(pieces) + 1):
         i = (first + j) % len(pieces)
         piece = pieces[i]
@@ -542,12 +532,12 @@ def engine_contradiction(
             break
     else:
         return None
-    ends = pieces[i - 1]
-    if ends.sticks:
+    ending = pieces[i - 1]
+    if ending.sticks:
         kind = SLIP_BIRTH
     else:
         kind = GRAZING
-    text = f"{ends.label} ends where it first can"
+    text = f"{ending.label} ends where it first can"
     when = float(due if event is None else event.t)
     value = -min(late, float(equations.turn / K.Om))
     return Condition((i - 1) % len(pieces), text, value, when, kind, ENGINE, 2 * pi)

@@ -40,6 +40,7 @@ from symosc.orbits.border_crossings import (
 from symosc.orbits.border_points import (
     FOLD,
     MOST_HALVINGS,
+    PlacedOrbit,
     SpecialPoint,
     between,
     circle,
@@ -173,7 +174,7 @@ class Border(Drawable):
             raise ParameterError("distance", distance, "must be > 0 and at most 0.01")
         along = self._nodes[i].tangent[-2:] / linear.norm(self._nodes[i].tangent[-2:])
         away = self._side * far * np.array([-along[1], along[0]]) * self._plane.widths
-        first, second = (self._plane.parameters(self.points[i] + way * away) for way in (1, -1))
+        first, second = (self._plane.parameters(self.points[i] + sign * away) for sign in (1, -1))
         return first, second
 
     @public
@@ -188,7 +189,7 @@ class Border(Drawable):
         """
         require(NUMBER, step=step)
         require(WHOLE, max_points=max_points)
-        how = _read_steps(step, max_points)
+        steps = _read_steps(step, max_points)
         borders = [self]
         waiting = [self]
         done = list[tuple[float, float]]()
@@ -198,7 +199,7 @@ class Border(Drawable):
                 if any(self._plane.near(point, known) for known in done):
                     continue
                 done.append(point)
-                for leaving in border._leaving(point, *how):
+                for leaving in border._leaving(point, *steps):
                     middle = leaving.points[len(leaving) // 2]
                     if not any(passes(known, middle, leaving.words) for known in borders):
                         borders.append(leaving)
@@ -249,13 +250,14 @@ class Border(Drawable):
         j = self.parameters.index(name)
         exact = read_exact(name, wanted)
         target = float(exact) / system.scale[-2 + j]
-        places = np.array([node.z[-2 + j] for node in self._nodes]) - target
+        distances = np.array([node.z[-2 + j] for node in self._nodes]) - target
         values = list[float]()
-        for i in np.flatnonzero(places[:-1] * places[1:] <= 0).tolist():
+        # between which nodes the parameter passes the value
+        for i in np.flatnonzero(distances[:-1] * distances[1:] <= 0).tolist():
             guess = _where(self._nodes[i], self._nodes[i + 1], -2 + j, target)
             polished = system.polish(guess, (len(guess) - 2 + j, exact))
             if polished is not None:
-                values.append(float(polished[-1 - j]))
+                values.append(float(polished[-1 - j]))  # the other parameter
             else:
                 values += self._at_folds(j, float(exact))
         return tuple(sorted(set(values)))
@@ -327,6 +329,7 @@ def _where(a: Node, b: Node, column: int, target: float) -> np.ndarray:
 
     It is bisected, as the curve is far from its chord next to a fold.
     """
+    # `low` and `high` are fractions of the way from a to b; at `low` the unknown is below the target.
     if a.z[column] <= b.z[column]:
         low = 0.0
         high = 1.0
@@ -334,11 +337,11 @@ def _where(a: Node, b: Node, column: int, target: float) -> np.ndarray:
         low = 1.0
         high = 0.0
     for _ in range(MOST_HALVINGS):
-        part = (low + high) / 2
-        if between(a, b, part)[column] < target:
-            low = part
+        middle = (low + high) / 2
+        if between(a, b, middle)[column] < target:
+            low = middle
         else:
-            high = part
+            high = middle
     point = between(a, b, low)
     point[column] = target
     return point
@@ -365,12 +368,13 @@ def borders_between(
     if orbit_a is None and orbit_b is None:
         return []
     if orbit_a is not None and orbit_b is not None:
-        return _distinct(all_crossings(plane, (place_a, orbit_a), (place_b, orbit_b)), *steps)
+        ends = PlacedOrbit(place_a, orbit_a), PlacedOrbit(place_b, orbit_b)
+        return _distinct(all_crossings(plane, *ends), *steps)
     if orbit_a is not None:
-        inside = (place_a, orbit_a)
+        inside = PlacedOrbit(place_a, orbit_a)
         outside = place_b
     elif orbit_b is not None:
-        inside = (place_b, orbit_b)
+        inside = PlacedOrbit(place_b, orbit_b)
         outside = place_a
     lost = loss_of_word(plane, inside, outside)
     if lost is None:
@@ -423,13 +427,15 @@ def passes(
     # are cut in eight.
     nodes = border._nodes
     system = border._system
-    between_nodes = (between(a, b, part / 8) for a, b in pairwise(nodes) for part in range(8))
+    between_nodes = (between(a, b, eighth / 8) for a, b in pairwise(nodes) for eighth in range(8))
     curve = np.array([system.values(z) for z in (*between_nodes, nodes[-1].z)])
-    places = (curve - values) / border._plane.widths
-    way = np.diff(places, axis=0)
-    squares = np.maximum((way * way).sum(axis=1), 1e-300)
-    part = np.clip(-(places[:-1] * way).sum(axis=1) / squares, 0, 1)
-    return bool((np.abs(places[:-1] + part[:, None] * way).max(axis=1) < 1e-4).any())
+    # The distance of the point from each chord: from the foot of the perpendicular, or an end.
+    from_point = (curve - values) / border._plane.widths
+    chords = np.diff(from_point, axis=0)
+    squares = np.maximum((chords * chords).sum(axis=1), 1e-300)
+    fractions = np.clip(-(from_point[:-1] * chords).sum(axis=1) / squares, 0, 1)
+    nearest = from_point[:-1] + fractions[:, None] * chords
+    return bool((np.abs(nearest).max(axis=1) < 1e-4).any())
 
 
 @public
@@ -482,24 +488,27 @@ def continue_border(
     require(row_of(2, NUMBER), mapping_of(row_of(2, NUMBER)), range=range)
     require(NUMBER, step=step)
     require(WHOLE, max_points=max_points)
-    which = whole_number("end", end, 0, 1)
-    reason = branch.ends[which]
+    number = whole_number("end", end, 0, 1)
+    at_end = -number  # the index of the branch's point at this end: 0 or -1
+    reason = branch.ends[number]
     if reason.kind in (RANGE, NO_CONVERGENCE, MOST):
-        known = (
+        allowed = (
             f"must be an end at a border; the branch ends there with {reason.kind!r}: "
             f"{reason.message}"
         )
-        raise ParameterError("end", end, known)
+        raise ParameterError("end", end, allowed)
     if abs(reason.value) > 1e-12 * np.abs(branch.values).max():
         value = reason.value
     else:
         value = 0.0
-    parameters = branch.parameters(-which).replace(**{branch.parameter: value})
+    parameters = branch.parameters(at_end).replace(**{branch.parameter: value})
     plane = _read_plane(parameters, branch.parameter, parameter, range)
     longest, most = _read_steps(step, max_points)
     values = np.array([value, float(getattr(parameters, parameter))])
-    inward = np.sign(branch.values[len(branch.values) // 2] - reason.value) or (1.0, -1.0)[which]
-    near = Orbit(Word(branch.labels), branch.periods, branch.orbit(-which).phases())
+    # From the end towards the middle of the branch; where both have one value, up from the first
+    # end and down from the last.
+    inward = np.sign(branch.values[len(branch.values) // 2] - reason.value) or (1.0, -1.0)[number]
+    near = Orbit(Word(branch.labels), branch.periods, branch.orbit(at_end).phases())
     if reason.beyond is None:
         closed = closed_form(plane, values, near)
     else:
@@ -511,13 +520,16 @@ def continue_border(
     for distance in AWAY:
         shift = np.array([inward * distance * plane.widths[0], 0.0])
         inside, outside = (
-            motion_at(plane.parameters(values + way * shift), near) for way in (1, -1)
+            motion_at(plane.parameters(values + sign * shift), near) for sign in (1, -1)
         )
         if inside is None or outside is None:
             continue
-        begun = first_crossing(plane, (values + shift, inside), (values - shift, outside))
+        begun = first_crossing(
+            plane, PlacedOrbit(values + shift, inside), PlacedOrbit(values - shift, outside)
+        )
         if begun is not None:
             border = traced(*begun, longest, most)
+            # The branch's word comes first.
             if border.words[1] == cycle(branch.word):
                 border.words = border.words[::-1]
                 border._side = -border._side
@@ -548,9 +560,14 @@ def _read_plane(
     limits: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
 ) -> BorderPlane:
     """Check the two parameters and their ranges `limits`; return their plane."""
-    if second not in PARAMETER_NAMES or second == first:
-        known = f"must be one of {', '.join(name for name in PARAMETER_NAMES if name != first)}"
-        raise ParameterError("parameter", second, known + meant(second, PARAMETER_NAMES))
+    if second == first:
+        raise ParameterError(
+            "parameter", second, f"must differ from the branch's own parameter {first}"
+        )
+    if second not in PARAMETER_NAMES:
+        names = [name for name in PARAMETER_NAMES if name != first]
+        allowed = f"must be one of {', '.join(names)}"
+        raise ParameterError("parameter", second, allowed + meant(second, names))
     if isinstance(limits, Mapping):
         ranges = dict(limits)
     else:

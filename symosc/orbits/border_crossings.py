@@ -10,7 +10,7 @@ from symosc.base.errors import SymoscError
 from symosc.kernels import linear
 from symosc.orbits import border_system
 from symosc.orbits.admissibility import conditions
-from symosc.orbits.border_points import MOST_HALVINGS, Motion, motion_at, scaled_margin
+from symosc.orbits.border_points import MOST_HALVINGS, PlacedOrbit, motion_at, scaled_margin
 from symosc.orbits.border_system import BorderPlane, BorderSystem, ClosedForm, Node, zeros_of
 from symosc.orbits.closing_equations import ClosingEquations, Orbit
 
@@ -81,7 +81,7 @@ def crossed_borders(
     plane: BorderPlane, place: np.ndarray, orbit: Orbit, direction: np.ndarray
 ) -> Iterator[Begun]:
     """Yield the borders of the word of `orbit`, found at `place`, that the line along `direction`
-    crosses there.
+    through `place` crosses nearby, each with a node on that line.
     """
     equations = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods)
     points = orbit.points
@@ -94,10 +94,11 @@ def crossed_borders(
             continue
         system = BorderSystem(plane, orbit, [zero])
         z = np.array([*np.ravel(points), *phases, *place]) / system.scale
-        row = np.zeros(len(system.scale))
-        across = direction / plane.widths
-        row[-2:] = np.array([-across[1], across[0]]) / linear.norm(across)
-        first = system.node(z, row)
+        # The node is looked for on the line: in the hyperplane whose normal is normal to the line.
+        normal = np.zeros(len(system.scale))
+        along = direction / plane.widths
+        normal[-2:] = np.array([-along[1], along[0]]) / linear.norm(along)
+        first = system.node(z, normal)
         if first is None:
             continue
         # A second point tells which inequalities are 0 all along.
@@ -110,17 +111,17 @@ def crossed_borders(
             yield system, first
 
 
-def first_crossing(plane: BorderPlane, start: Motion, stop: Motion) -> Begun | None:
+def first_crossing(plane: BorderPlane, start: PlacedOrbit, stop: PlacedOrbit) -> Begun | None:
     """Return the first border that crosses the segment from `start` to `stop` in the plane; None if
     none is found.
     """
-    whole = float(np.abs((stop[0] - start[0]) / plane.widths).max())
-    word = start[1].cycle
+    whole_length = float(np.abs((stop.values - start.values) / plane.widths).max())
+    word = start.orbit.cycle
     low = start
     high = stop
-    while word != stop[1].cycle:
-        length = float(np.abs((high[0] - low[0]) / plane.widths).max())
-        if length <= max(SHORT_PART * whole, SHORT_LENGTH):  # short enough for the equations
+    while word != stop.orbit.cycle:
+        length = float(np.abs((high.values - low.values) / plane.widths).max())
+        if length <= max(SHORT_PART * whole_length, SHORT_LENGTH):  # short enough for the equations
             begun = _crossing_of(plane, low, high)
             if begun is not None:
                 return begun
@@ -129,35 +130,42 @@ def first_crossing(plane: BorderPlane, start: Motion, stop: Motion) -> Begun | N
         middle = _motion_between(plane, low, high)
         if middle is None:
             return None
-        if middle[1].cycle == word:
+        if middle.orbit.cycle == word:
             low = middle
         else:
             high = middle
     return None
 
 
-def _crossing_of(plane: BorderPlane, low: Motion, high: Motion) -> Begun | None:
-    """Return a border of the words at both ends of a short segment that crosses it, or None."""
-    way = high[0] - low[0]
-    for place, orbit in sorted((low, high), key=lambda end: len(end[1].points)):
-        for system, node in crossed_borders(plane, place, orbit, way):
-            part = linear.dot(system.values(node.z) - low[0], way) / linear.dot(way, way)
-            if CROSSING_PARTS[0] <= part <= CROSSING_PARTS[1]:
+def _crossing_of(plane: BorderPlane, low: PlacedOrbit, high: PlacedOrbit) -> Begun | None:
+    """Return a border that crosses the short segment from `low` to `high`, with its first node, or
+    None.
+    """
+    segment = high.values - low.values
+    # A border's equations are those of the word with fewer pieces, so this end is tried first.
+    by_pieces = sorted((low, high), key=lambda end: len(end.orbit.points))
+    least, most = CROSSING_PARTS
+    for values, orbit in by_pieces:
+        for system, node in crossed_borders(plane, values, orbit, segment):
+            from_low = system.values(node.z) - low.values
+            # how far along the segment the node lies: 0 at `low`, 1 at `high`
+            fraction = linear.dot(from_low, segment) / linear.dot(segment, segment)
+            if least <= fraction <= most:
                 return system, node
     return None
 
 
-def _motion_between(plane: BorderPlane, low: Motion, high: Motion) -> Motion | None:
+def _motion_between(plane: BorderPlane, low: PlacedOrbit, high: PlacedOrbit) -> PlacedOrbit | None:
     """Return a motion about halfway between two others, or None."""
-    for part in (0.5, 0.4):  # the first may be on the border
-        place = low[0] + part * (high[0] - low[0])
-        orbit = motion_at(plane.parameters(place), low[1], high[1])
+    for fraction in (0.5, 0.4):  # the first may be on the border
+        place = low.values + fraction * (high.values - low.values)
+        orbit = motion_at(plane.parameters(place), low.orbit, high.orbit)
         if orbit is not None:
-            return place, orbit
+            return PlacedOrbit(place, orbit)
     return None
 
 
-def all_crossings(plane: BorderPlane, start: Motion, stop: Motion) -> Iterator[Begun]:
+def all_crossings(plane: BorderPlane, start: PlacedOrbit, stop: PlacedOrbit) -> Iterator[Begun]:
     """Yield, in order, the borders at which the word of the motion changes along the segment from
     `start` to `stop`.
     """
@@ -165,39 +173,45 @@ def all_crossings(plane: BorderPlane, start: Motion, stop: Motion) -> Iterator[B
     if begun is None:
         return
     system, node = begun
-    way = (stop[0] - start[0]) / np.abs((stop[0] - start[0]) / plane.widths).max()
-    place = system.values(node.z)
+    segment = stop.values - start.values
+    direction = segment / np.abs(segment / plane.widths).max()
+    crossing = system.values(node.z)
     own = system.orbit(node.z)
-    if not 0 <= linear.dot(place - start[0], way) <= linear.dot(stop[0] - start[0], way):
+    if not 0 <= linear.dot(crossing - start.values, direction) <= linear.dot(segment, direction):
         return  # the border at the segment's end, once more
+    # Step off the border to both sides, as little as shows two different words there.
     for shift in SHIFTS:
-        before = place - shift * way
-        after = place + shift * way
+        before = crossing - shift * direction
+        after = crossing + shift * direction
         orbits = [
-            motion_at(plane.parameters(beside), own, start[1], stop[1])
+            motion_at(plane.parameters(beside), own, start.orbit, stop.orbit)
             for beside in (before, after)
         ]
         words = {orbit.cycle for orbit in orbits if orbit is not None}
         if len(words) == 2 and own.cycle in words:
             break
-    if orbits[0] is not None and linear.dot(before - start[0], way) > 0:
-        yield from all_crossings(plane, start, (before, orbits[0]))
+    orbit_before, orbit_after = orbits
+    if orbit_before is not None and linear.dot(before - start.values, direction) > 0:
+        yield from all_crossings(plane, start, PlacedOrbit(before, orbit_before))
     yield system, node
-    if orbits[1] is not None and linear.dot(stop[0] - after, way) > 0:
-        yield from all_crossings(plane, (after, orbits[1]), stop)
+    if orbit_after is not None and linear.dot(stop.values - after, direction) > 0:
+        yield from all_crossings(plane, PlacedOrbit(after, orbit_after), stop)
 
 
 def loss_of_word(
-    plane: BorderPlane, inside: Motion, place: np.ndarray
-) -> tuple[Motion, Begun] | None:
+    plane: BorderPlane, inside: PlacedOrbit, place: np.ndarray
+) -> tuple[PlacedOrbit, Begun] | None:
     """Return the border between `inside`, a motion with a word, and `place`, where it has none.
 
     Return a motion beside the border, and the border; None if it is not found.
     """
-    system = ClosedForm(plane, plane.parameters(place), inside[1])
+    system = ClosedForm(plane, plane.parameters(place), inside.orbit)
 
-    def has_word(part: float) -> bool:
-        holds, drives = system.terms(place + part * (inside[0] - place))
+    segment = inside.values - place
+
+    def has_word(fraction: float) -> bool:
+        """Return whether the motion has a word at this fraction of the way from `place` inside."""
+        holds, drives = system.terms(place + fraction * segment)
         return bool(holds < drives)
 
     low = 0.0
@@ -210,15 +224,18 @@ def loss_of_word(
             high = middle
         else:
             low = middle
-    at = place + high * (inside[0] - place)
-    near = place + (high + (1 - high) * BESIDE[1]) * (inside[0] - place)
-    begun = closed_form(plane, at, inside[1])
+    at_border = place + high * segment
+    near = place + (high + (1 - high) * BESIDE[1]) * segment
+    # The border's node gives a guess for the orbit beside it, whose word may differ from that of
+    # `inside`; the border is then that of this orbit.
+    begun = closed_form(plane, at_border, inside.orbit)
     if begun is None:
         return None
-    beside = motion_at(plane.parameters(near), begun[0].orbit(begun[1].z))
+    system, node = begun
+    beside = motion_at(plane.parameters(near), system.orbit(node.z))
     if beside is None:
         return None
-    border = closed_form(plane, at, beside)
+    border = closed_form(plane, at_border, beside)
     if border is None:
         return None
-    return (near, beside), border
+    return PlacedOrbit(near, beside), border

@@ -53,8 +53,12 @@ REGULAR = {
     border_system.AT_HOLD: " in an extremum at which F'' is 0 too",
 }
 
-#: A point of the plane and an orbit there.
-Motion = tuple[np.ndarray, Orbit]
+
+class PlacedOrbit(NamedTuple):
+    """An orbit, and the values of the plane's two parameters at which it exists."""
+
+    values: np.ndarray
+    orbit: Orbit
 
 
 class SpecialPoint(NamedTuple):
@@ -90,14 +94,14 @@ class SpecialPoint(NamedTuple):
 
 def between(a: Node, b: Node, part: float) -> np.ndarray:
     """Return the point at the fraction `part` of the way from a to b, on the cubic through both
-    with their tangents.
+    with their tangents (Hermite's).
     """
     length = linear.norm(b.z - a.z)
     r = part
-    first = (1 - r) ** 2 * (1 + 2 * r)
-    second = r * r * (3 - 2 * r)
+    weight_of_a = (1 - r) ** 2 * (1 + 2 * r)
+    weight_of_b = r * r * (3 - 2 * r)
     slope = length * (r * (1 - r) ** 2 * a.tangent - r * r * (1 - r) * b.tangent)
-    return np.asarray(first * a.z + second * b.z + slope)
+    return np.asarray(weight_of_a * a.z + weight_of_b * b.z + slope)
 
 
 def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
@@ -169,6 +173,7 @@ def _near_fold(
     """Return a point close to the fold between two nodes, in doubles, and the node before it."""
     z = here.z
     for _ in range(FOLD_HALVINGS):
+        # where the slope of parameter j would be 0 if it were linear between the nodes
         part = here.tangent[-2 + j] / (here.tangent[-2 + j] - node.tangent[-2 + j])
         middle = system.node(between(here, node, float(part)), here.tangent)
         if middle is None:
@@ -189,9 +194,9 @@ def _polished_fold(
     The secant method varies the other parameter until the slope of parameter j is 0.
     """
     varied = 1 - j
-    index = len(z) - 1 - j
+    index = len(z) - 1 - j  # of the unknown `varied`: the two parameters are the last unknowns
     value = float(z[-2 + varied] * system.scale[-2 + varied])
-    tried: list[tuple[float, float]] = []
+    tried: list[tuple[float, float]] = []  # value of the varied parameter, slope there
     for _ in range(FOLD_STEPS):
         u = system.polish(z, (index, Fraction(value)))
         if u is None:
@@ -274,27 +279,27 @@ def meeting(plane: BorderPlane, orbit: Orbit, values: tuple[float, float]) -> Sp
         point = _two_zeros(plane, orbit, values)
         if point is not None:
             return point
-    around = [neighbour for _, neighbour in circle(plane, values, orbit)]
+    around = [neighbour.orbit for neighbour in circle(plane, values, orbit)]
     if not around:
         return None
     shortest = min(around, key=lambda neighbour: len(neighbour.points))
     return _two_zeros(plane, shortest, values)
 
 
-def circle(plane: BorderPlane, values: Sequence[float], orbit: Orbit) -> list[Motion]:
+def circle(plane: BorderPlane, values: Sequence[float], orbit: Orbit) -> list[PlacedOrbit]:
     """Return points of the plane on a small circle around the point `values`, each with the orbit
     found there.
     """
-    motions = []
+    orbits = []
     for i in range(AROUND):
         angle = 2 * pi * (i + 0.5) / AROUND
-        place = np.array(values) + RADIUS * plane.widths * np.array([cos(angle), sin(angle)])
-        if not ((plane.low <= place).all() and (place <= plane.high).all()):
+        sample = np.array(values) + RADIUS * plane.widths * np.array([cos(angle), sin(angle)])
+        if not ((plane.low <= sample).all() and (sample <= plane.high).all()):
             continue
-        there = motion_at(plane.parameters(place), orbit)
-        if there is not None:
-            motions.append((place, there))
-    return motions
+        neighbour = motion_at(plane.parameters(sample), orbit)
+        if neighbour is not None:
+            orbits.append(PlacedOrbit(sample, neighbour))
+    return orbits
 
 
 class Vanishing(NamedTuple):
@@ -326,30 +331,32 @@ def _two_zeros(
     vanish, or None.
     """
     equations = ClosingEquations(plane.parameters(values), orbit.word, orbit.periods)
+    # `half`: the number of pieces in a half of a symmetric orbit, else 0.
     points, half = _symmetric_points(equations, orbit)
-    singles = _vanishing(equations, points)
-    candidates = _degenerate(equations, points, singles) + _paired(singles, half)
+    vanishing = _vanishing(equations, points)
+    candidates = _degenerate(equations, points, vanishing) + _paired(vanishing, half)
     for candidate in sorted(candidates, key=lambda pair: pair.rank):
-        for zeros, phases in _equations_of(candidate, singles, half):
+        for zeros, phases in _equations_of(candidate, vanishing, half):
             system = BorderSystem(plane, orbit._replace(points=points), zeros)
             unknowns = np.array([*points.ravel(), *phases, *values])
             polished = system.polish(unknowns / system.scale)
             if polished is None:
                 continue
-            at = (float(polished[-2]), float(polished[-1]))
-            if (np.abs(np.subtract(at, values)) > NEAR * plane.widths).any():
+            # The plane's two parameters are the last unknowns. A root far away is another point.
+            values_found = (float(polished[-2]), float(polished[-1]))
+            if (np.abs(np.subtract(values_found, values)) > NEAR * plane.widths).any():
                 continue
             message = f"{_message(candidate)} ({orbit.cycle})"
-            error = 2 * EPS * max(map(abs, at))
-            return SpecialPoint(_kind(system, candidate), at, message, error)
+            error = 2 * EPS * max(map(abs, values_found))
+            return SpecialPoint(_kind(system, candidate), values_found, message, error)
     return None
 
 
 def _symmetric_points(equations: ClosingEquations, orbit: Orbit) -> tuple[np.ndarray, int]:
     """Return the points of the orbit at the parameters of the equations.
 
-    If its second half is the mirror image of the first, return the points of such an orbit, and
-    the number of pieces of a half; else 0.
+    Return also the number of pieces in a half of the orbit if its second half nearly is the mirror
+    image of the first; its points are then made exactly symmetric. Else that number is 0.
     """
     solution = solve(equations, orbit.points)
     if solution.converged:
@@ -367,42 +374,44 @@ def _symmetric_points(equations: ClosingEquations, orbit: Orbit) -> tuple[np.nda
 
 def _vanishing(equations: ClosingEquations, points: np.ndarray) -> list[Vanishing]:
     """Return the inequalities that nearly vanish."""
-    singles = []
+    vanishing = []
     for condition in conditions(equations, points):
         if abs(scaled_margin(condition)) < NEAR:
             for zero, phases in zeros_of(equations, points, condition):
-                singles.append(Vanishing(zero, phases, condition))
-    return singles
+                vanishing.append(Vanishing(zero, phases, condition))
+    return vanishing
 
 
 def _degenerate(
-    equations: ClosingEquations, points: np.ndarray, singles: Sequence[Vanishing]
+    equations: ClosingEquations, points: np.ndarray, vanishing: Sequence[Vanishing]
 ) -> list[Candidate]:
-    """Return the inequalities whose zero is nearly no simple one, with the derivative that vanishes
-    too.
+    """Return a candidate for each inequality whose zero hardly is a simple one: this zero, and that
+    of the next derivative (`Zero.bend`).
     """
     size = scales(equations, points)
     candidates = []
-    for zero, phases, condition in singles:
+    for zero, phases, condition in vanishing:
+        # The ranks are below those of all pairs (`_paired`), so these candidates are tried first.
         if phases:
-            place = phases[0]
+            theta = phases[0]
             rank = -1.0
         else:
-            place = 0.0
+            theta = 0.0  # not used: only extrema have a phase
             rank = -2.0
-        (flat,) = border_system.zero_values(equations, points, zero.bend, place)
-        # It may be 0 at a point that is known as well as a curve shows it.
-        if abs(flat) * size.t < 0.1 * size.a:
+        (derivative,) = border_system.zero_values(equations, points, zero.bend, theta)
+        # The point is known only as well as the curve shows it: the derivative need not be very
+        # small.
+        if abs(derivative) * size.t < 0.1 * size.a:
             candidates.append(Candidate(rank, (zero, zero.bend), phases, (condition.text,)))
     return candidates
 
 
-def _paired(singles: Sequence[Vanishing], half: int) -> list[Candidate]:
+def _paired(vanishing: Sequence[Vanishing], half: int) -> list[Candidate]:
     """Return the pairs of inequalities that nearly vanish, but not those that are one by symmetry."""
     candidates = []
-    for first, second in combinations(singles, 2):
+    for first, second in combinations(vanishing, 2):
         same_kind = first.zero.kind == second.zero.kind
-        if same_kind and second.zero.piece - first.zero.piece == half:
+        if same_kind and second.zero.piece - first.zero.piece == half:  # mirror images
             continue
         margins = (scaled_margin(first.condition), scaled_margin(second.condition))
         candidates.append(
@@ -417,7 +426,7 @@ def _paired(singles: Sequence[Vanishing], half: int) -> list[Candidate]:
 
 
 def _equations_of(
-    candidate: Candidate, singles: Sequence[Vanishing], half: int
+    candidate: Candidate, vanishing: Sequence[Vanishing], half: int
 ) -> list[tuple[Sequence[Zero], list[float]]]:
     """Return the zeros to solve for, with their phases, in the order in which to try them.
 
@@ -427,17 +436,21 @@ def _equations_of(
     alone = (candidate.zeros, candidate.phases)
     if not half:
         return [alone]
-    images = [(zero.kind, zero.piece + way * half) for zero in candidate.zeros for way in (1, -1)]
-    mirrored = [single for single in singles if (single.zero.kind, single.zero.piece) in images]
+    images = [(zero.kind, zero.piece + sign * half) for zero in candidate.zeros for sign in (1, -1)]
+    mirrored = [
+        inequality
+        for inequality in vanishing
+        if (inequality.zero.kind, inequality.zero.piece) in images
+    ]
     if not mirrored:
         return [alone]
     zeros = list(candidate.zeros)
     phases = list(candidate.phases)
-    for single in mirrored:
-        zeros.append(single.zero)
-        if len(candidate.texts) == 1:
-            zeros.append(single.zero.bend)
-        phases += single.phases
+    for image in mirrored:
+        zeros.append(image.zero)
+        if len(candidate.texts) == 1:  # a degenerate zero
+            zeros.append(image.zero.bend)
+        phases += image.phases
     return [(zeros, phases), alone]
 
 

@@ -156,9 +156,8 @@ class BorderSystem:
         self.pieces = pieces_of(self.word)
         self.n = len(self.pieces)
         self.sizes = np.zeros(0)
-        self.hidden: tuple[
-            int, ...
-        ] = ()  # conditions that are 0 all along, as the border's own or by symmetry
+        # conditions that are 0 all along, as the border's own or by symmetry
+        self.hidden: tuple[int, ...] = ()
         self.pieces = self._unaccelerated_after(
             zero.piece for zero in self.zeros if zero.kind == AT_FAR
         )
@@ -225,13 +224,15 @@ class BorderSystem:
     def _zeros(self, equations: ClosingEquations, points: Points, phases: Unknowns) -> list[Number]:
         """Return the values that must vanish on the border besides the closing equations."""
         values = []
-        left = list(phases)
-        for zero in self.zeros:  # a bend belongs to the extremum of another zero
-            bent = (phases[i] for i, timed in enumerate(self.timed) if timed.piece == zero.piece)
+        phases_left = list(phases)
+        for zero in self.zeros:
             if zero.kind in TIMED:
-                theta = left.pop(0)
-            else:
-                theta = next(bent, None)
+                theta = phases_left.pop(0)
+            else:  # a bend belongs to the extremum of another zero, in the same piece
+                of_piece = (
+                    phases[i] for i, timed in enumerate(self.timed) if timed.piece == zero.piece
+                )
+                theta = next(of_piece, None)
             values += zero_values(equations, points, zero, theta)
         return values
 
@@ -246,6 +247,7 @@ class BorderSystem:
         values = np.array(equations.residuals(points) + self._zeros(equations, points, phases))
         matrix = np.zeros((len(values), size))
         matrix[:n, :n] = equations.matrix(points)
+        # A zero depends on start and end of its piece, each with x and theta: four unknowns.
         touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
         for j in (*touched, *range(n, size - 2)):
             step = DIFFERENCE * self.scale[j] / POINTS_WEIGHT
@@ -336,18 +338,18 @@ class BorderSystem:
         `fixed` is the index of an unknown and the exact value that it keeps, for a system whose
         roots form a curve.
         """
-        got = self.correct(z, None if fixed is None else np.eye(len(z))[fixed[0]])
+        corrected = self.correct(z, None if fixed is None else np.eye(len(z))[fixed[0]])
+        if corrected is None:
+            return None
+        root, inverse, _ = corrected
         # Entries of the inverse as large as this show a point that is not isolated.
-        if (
-            got is None
-            or not np.isfinite(got[1]).all()
-            or (fixed is None and np.abs(got[1]).max() > 1e6)
-        ):
+        if not np.isfinite(inverse).all() or (fixed is None and np.abs(inverse).max() > 1e6):
             return None
         number = ClosingEquations(
             self.fixed, self.word, self.periods, FINE_DIGITS
         ).arithmetic.number
-        u = [number(Fraction(value)) for value in (got[0] * self.scale).tolist()]
+        u = [number(Fraction(value)) for value in (root * self.scale).tolist()]
+        # With the inverse in doubles each step makes many more digits right.
         before = inf
         with suppress(ZeroDivisionError, ValueError):
             for _ in range(30):
@@ -360,7 +362,7 @@ class BorderSystem:
                     right = values
                 else:
                     right = [*values, 0.0]
-                step = linear.product(got[1], np.array(right))
+                step = linear.product(inverse, np.array(right))
                 size = float(np.abs(step).max())
                 changes = (step * self.scale).tolist()
                 u = [
@@ -381,11 +383,11 @@ class BorderSystem:
         The node's tangent is oriented like `along`. Its errors come from rounding and from the last
         correction.
         """
-        got = self.correct(z, along if row is None else row)
-        if got is None:
+        corrected = self.correct(z, along if row is None else row)
+        if corrected is None:
             return None
-        z, inverse, left = got
-        if not self.sizes.size:
+        z, inverse, left = corrected
+        if not self.sizes.size:  # one orbit tells the sizes of the terms for all
             self.sizes = self._sizes((z * self.scale).tolist())
         grown = np.abs(inverse[-2:, : len(self.sizes)])
         rounding = linear.product(grown, 4 * EPS * self.sizes) + 2 * EPS * np.abs(z[-2:])
@@ -457,9 +459,8 @@ class BorderSystem:
         margins = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(margins)]
         for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
             margins += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
-        equations.pieces = (
-            self.pieces
-        )  # the margins at other extrema than those that vanish on the border
+        # The margins at other extrema than those that vanish on the border.
+        equations.pieces = self.pieces
         for c in own:
             if kind_of(c) in TIMED:
                 turns = extrema_of(equations, points, c.piece, kind_of(c))
@@ -495,7 +496,8 @@ class BorderSystem:
             text = f"G^(1) of the far domain at the end of {piece.label} keeps its sign"
             if following.sticks:
                 sign = -sign
-        else:  # below the domain lies its smaller number: there a minimum is turned to the border
+        else:
+            # The belt or domain with the smaller number lies below: a minimum is turned to it.
             low = zero.place == (piece.start if zero.kind == AT_HOLD else piece.mode - 1)
             if low:
                 sign = 1
@@ -648,9 +650,10 @@ def extrema_of(
     """Return the extrema in piece i: from `clearances` if `kind` is that of a graze, else from
     `holding_forces`.
     """
-    return list(
-        (clearances if kind == AT_TOUCH else holding_forces)(equations, equations.spans(points)[i])
-    )
+    span = equations.spans(points)[i]
+    if kind == AT_TOUCH:
+        return list(clearances(equations, span))
+    return list(holding_forces(equations, span))
 
 
 def zero_values(
@@ -774,9 +777,8 @@ def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     zero = zero or system.zeros[0]
     if isinstance(system, ClosedForm) and system.rests:
         return admissibility.FLIGHT_VANISHING, ""
-    if (
-        zero.kind == AT_ARRIVAL
-    ):  # a cubic tangency: a graze, and a stick that is left at once, begin there
+    # A cubic tangency: a graze, and a stick that is left at once, begin there.
+    if zero.kind == AT_ARRIVAL:
         return admissibility.GRAZING, "adding-sliding and grazing-sliding"
     if zero.kind == AT_HOLD:
         return admissibility.SLIP_BIRTH, "adding-sliding"

@@ -93,7 +93,10 @@ from symosc.words import WordLike, read_word
 RANGE = "end of the range"
 NO_CONVERGENCE = "no convergence"
 MOST = "max_points"
-LONGEST_STEP = 0.04  # in the arclength of (x/size, phase, parameter/range)
+# Lengths of steps, in the arclength of (x/size, phase, parameter/range).
+FIRST_STEP = 0.02
+LONGEST_STEP = 0.04
+SHORTEST_STEP = 1e-10
 # of the arclength, to which ends are located; closer by, rounding would decide what has happened
 RESOLUTION = 1e-12
 NO_GAP = 1e-7  # nearer to a change a gap before it cannot be seen, and nothing is proven on the way
@@ -220,10 +223,7 @@ class Branch(Drawable):
 
     @public
     def parameters(self, i: int) -> Parameters:
-        """Return the parameters of the branch's i-th point.
-
-        I as for a list, so that -1 is the last one.
-        """
+        """Return the parameters of the branch's i-th point; -1 is the last one, as for a list."""
         i = whole_number("i", i, -len(self.values), len(self.values) - 1)
         return self._orbit.parameters.replace(**{self.parameter: float(self.values[i])})
 
@@ -275,19 +275,20 @@ class Branch(Drawable):
         columns: Record = {
             name: (("point", "switching"), self.points[..., i]) for i, name in enumerate(("t", "x"))
         }
+        # No file format has complex numbers.
         for name, part in (("re", self.multipliers.real), ("im", self.multipliers.imag)):
-            columns[f"multiplier_{name}"] = (
-                ("point", "which"),
-                part,
-            )  # no file format has complex numbers
+            columns[f"multiplier_{name}"] = (("point", "which"), part)
         columns["stable"] = ("point",), self.stable
-        places = {self.parameter: ("point", self.values), "map": ("switching", list(self.labels))}
+        coordinates = {
+            self.parameter: ("point", self.values),
+            "map": ("switching", list(self.labels)),
+        }
         about = {
             "word": self.word,
             "periods": self.periods,
             "ends": [end.kind for end in self.ends],
         }
-        return imported("xarray").Dataset(columns, coords=places, attrs=about)
+        return imported("xarray").Dataset(columns, coords=coordinates, attrs=about)
 
     def __eq__(self, other: object) -> bool:
         """Whether both are the same branch: word, parameters, points, multipliers and ends."""
@@ -512,7 +513,7 @@ class Curve:
         slope = None
         for _ in range(12):
             try:
-                # good enough for all steps from a near guess
+                # The first slope is good enough for all steps from a near guess.
                 if slope is None:
                     slope = self.slope(z)
                 points, value = self.split(z)
@@ -522,13 +523,12 @@ class Curve:
             except (ParameterError, ZeroDivisionError):
                 return None
             size = np.abs(self.level(step)).max()
-            whole = max(1.0, np.abs(z).max())
-            if (
-                not np.isfinite(size) or size > 1.0
-            ):  # in arclength; farther off another root is found
+            largest = max(1.0, np.abs(z).max())
+            # In arclength; farther off another root is found.
+            if not np.isfinite(size) or size > 1.0:
                 return None
             z = z + step
-            if size <= 4 * EPS * whole or (size < CONVERGING and size > before / 4):
+            if size <= 4 * EPS * largest or (size < CONVERGING and size > before / 4):
                 return z
             before = size
         if size < CONVERGING:
@@ -610,7 +610,7 @@ class Curve:
         direction.
         """
         z = self.joined(self.start, self.value)
-        length = 0.02
+        length = FIRST_STEP
         reached = 0.0
         path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
         # At an end margins are rounding noise. Then a point just after it follows; between the two
@@ -649,7 +649,7 @@ class Curve:
                 scanned = self._scan(current, following)
             if scanned is None:
                 length /= 2
-                if length >= 1e-10:
+                if length >= SHORTEST_STEP:
                     continue
                 nearest = min(current.conditions, key=lambda condition: condition.value)
                 if (belt := _begins_to_rest(self.equations(current.value).parameters)) is not None:
@@ -714,8 +714,7 @@ class Curve:
                 b = self._verified(b)  # and so is m: between two orbits nothing has changed
                 if not b.failures:
                     return [m, b], None
-            # Length of a piece on which a margin that cannot be bounded away from 0 is taken to
-            # touch it
+            # On so short a piece a margin that cannot be bounded away from 0 is taken to touch it.
             elif length < 1e-9:
                 if around <= 1e-4:  # all is rounding noise here; next to a change it says nothing
                     return [m], None
@@ -724,21 +723,26 @@ class Curve:
                     m, failures=(min(m.conditions, key=lambda c: c.value / c.scale),)
                 )
         first = self._scan(a, m, around)
-        if first is None or first[1] is not None:
+        if first is None:
+            return None
+        orbits, failed = first
+        if failed is not None:
             return first
-        second = self._scan(first[0][-1], b, around)
+        second = self._scan(orbits[-1], b, around)
         if second is None:
             return None
-        return (first[0] + second[0], second[1])
+        further, failed = second
+        return orbits + further, failed
 
     def _proven(self, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
         """Return whether no margin can reach 0 between the points a and b of the branch.
 
-        M lies halfway.
+        The point m lies halfway.
         """
         first, middle, last = ((node.points, node.value) for node in (a, m, b))
-        places = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
-        nodes = [(self.equations(value), points) for points, value in places]
+        # Five points: the three, and two on the cubics between them.
+        five = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
+        nodes = [(self.equations(value), points) for points, value in five]
         margins = [
             a.conditions,
             conditions(*nodes[1]),
@@ -751,8 +755,9 @@ class Curve:
         )
         if not _proven_positive(values).all():
             return False
-        spans = nodes[2][0].spans(m.points)
-        rate = nodes[2][0].K.rate
+        equations, _ = nodes[2]  # those at m
+        spans = equations.spans(m.points)
+        rate = equations.K.rate
         parts = [1 + int(min(MOST_PARTS, max(12, span.tau * rate / SAMPLE))) for span in spans]
         return all(
             _stay_positive(nodes, i, np.linspace(0.0, 1.0, count), 30)
@@ -823,13 +828,8 @@ class Curve:
         # through are solved for. One with an admissible orbit is the answer: with c > 0 there is no
         # second one (`symosc.orbits.floquet`).
         instead = ""
-        for distance in (
-            1e-9,
-            1e-8,
-            1e-7,
-            1e-6,
-            1e-5,
-        ):  # parts of the range: the nearest that is found counts
+        # Parts of the range: the nearest orbit that is found counts.
+        for distance in (1e-9, 1e-8, 1e-7, 1e-6, 1e-5):
             value = point.value + direction * distance * (self.high - self.low)
             if value == point.value:
                 continue
@@ -909,10 +909,9 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
             continue
         if depth == 0 or not _proven_positive(values)[~good].all():
             return False
+        # Only runs of neighbouring fractions whose margins are still open are refined.
         edges = np.flatnonzero(np.diff(np.concatenate([[False], ~good, [False]]).astype(int)))
-        for first, last in zip(
-            edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True
-        ):  # runs that are open
+        for first, last in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
             low = u[max(first - 1, 0)]
             high = u[min(last + 1, len(u) - 1)]
             finer = np.linspace(low, high, 1 + 8 * (last - first + 2))
@@ -936,9 +935,8 @@ def piece_margins(
     belt = equations.belt(piece.start)
     columns = column_functions()
     if piece.sticks:
-        before = (
-            -(1 - u) * tau
-        )  # time, counted from the end of the stick, where the force that ends it is 0
+        # Time counts from the end of the stick, where the force that ends it is 0.
+        before = -(1 - u) * tau
         half = 0.5 * K.Om * before
         waves = columns["sin"](end[1] + half) * columns["sin"](half)
         force = -piece.side * (belt.drift * before - 2 * K.f0 * waves)

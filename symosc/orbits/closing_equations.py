@@ -122,8 +122,11 @@ def pieces_of(word: Word) -> tuple[OrbitPiece, ...]:
     """Return the pieces of a periodic orbit that has this word."""
     pieces = []
     for i, (row, exit) in enumerate(zip(word.maps, word.exits(), strict=True)):
-        # 1: from below
-        if exit == "above" if row.sticks else row.end.superscript == 1:
+        if row.sticks:
+            goes_up = exit == "above"
+        else:
+            goes_up = row.end.superscript == 1  # it meets its belt from below
+        if goes_up:
             side = 1
         else:
             side = -1
@@ -261,9 +264,8 @@ class ClosingEquations:
         K = self.K
         (piece, start, end, tau) = span
         if piece.sticks:
-            A = (K.A1, K.A2, K.A3)[
-                piece.start - (piece.side < 0)
-            ]  # of the domain that it leaves to
+            # of the domain that it leaves to: belt n has domain n below, n + 1 above
+            A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]
             return kernels.stick_residual(
                 start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0
             )
@@ -354,8 +356,8 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     damping = 1.0
     for steps in range(1, MOST_NEWTON_STEPS + 1):
         try:
-            linear = _linear_system(equations, points)
-            step = linear.solve(-values).reshape(-1, 2)
+            system = _linear_system(equations, points)
+            step = system.solve(-values).reshape(-1, 2)
         except (ZeroDivisionError, OverflowError, ValueError):
             return Solution(best[1], best[0], steps, False, SINGULAR)
         size = np.abs(step / scale).max()
@@ -368,7 +370,7 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         while True:
             trial = points + damping * step
             values = np.array(equations.residuals(trial), dtype=float)
-            after = np.abs(linear.solve(values).reshape(-1, 2) / scale).max()
+            after = np.abs(system.solve(values).reshape(-1, 2) / scale).max()
             if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
                 break
             damping /= 2
@@ -437,8 +439,8 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
     # that, or the matrix cannot be inverted.
     context = equations.context
     points = [tuple(context.convert(value) for value in point) for point in points]
-    last = context.inf
-    linear = 0
+    last_size = context.inf
+    linear_steps = 0
     for steps in range(1, MOST_POLISHING + 1):
         values = equations.residuals(points)
         largest = max(map(abs, values))
@@ -449,19 +451,20 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
         except ZeroDivisionError:
             return Solution(points, largest, steps, False, SINGULAR)
         size = max(abs(value) for value in step)
-        settled = max(1, max(abs(value) for point in points for value in point))
-        if not context.isfinite(size) or size > settled:
+        largest_value = max(1, max(abs(value) for point in points for value in point))
+        if not context.isfinite(size) or size > largest_value:
             return Solution(points, largest, steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
-        if size <= 16 * context.eps * settled or (
-            size >= last / 4 and size < context.eps**0.8 * settled
+        if size <= 16 * context.eps * largest_value or (
+            size >= last_size / 4 and size < context.eps**0.8 * largest_value
         ):
             return Solution(points, equations.largest_residual(points), steps, True, "")
-        if size > last / 16:
-            linear = linear + 1
+        # Corrections that shrink so slowly converge linearly, as at a multiple root.
+        if size > last_size / 16:
+            linear_steps = linear_steps + 1
         else:
-            linear = 0
-        if linear > 16:
+            linear_steps = 0
+        if linear_steps > 16:
             return Solution(points, largest, steps, False, "a multiple root")
-        last = size
+        last_size = size
     return Solution(points, largest, MOST_POLISHING, False, "not converged in more digits")

@@ -51,6 +51,11 @@ MOST_MAPPINGS = 40
 # several times.
 SAME_ORBIT = 1e-7
 LEAST_RUN_EVENTS = 60
+# Words that are taken from the end of a simulated motion: the longest, and how many at most.
+LONGEST_SIMULATED = 24
+MOST_SIMULATED = 6
+# How many guesses, those that close best, are solved from.
+BEST_GUESSES = 4
 SETTLING_EVENTS = 400
 # The most forcing periods of an orbit. The search tries evenly spaced points over all of them;
 # beyond these it takes minutes.
@@ -316,11 +321,11 @@ def _first_root(roots: Sequence[Root]) -> tuple[ClosingEquations, Solution]:
     failed, repeats, worst = min((root.failed, root.repeats, root.worst) for root in roots)
     near = [root for root in roots if (root.failed, root.repeats) == (failed, repeats)]
     near = [root for root in near if root.worst <= worst + SAME_ORBIT * max(worst, 1.0)]
-    first = min(near, key=lambda root: _place(root.solution.points[0]))
+    first = min(near, key=lambda root: _rounded_point(root.solution.points[0]))
     return first.equations, first.solution
 
 
-def _place(point: Sequence[float] | np.ndarray) -> tuple[float, float]:
+def _rounded_point(point: Sequence[float] | np.ndarray) -> tuple[float, float]:
     """Return the phase within a turn and x of a switching point, rounded beyond their errors."""
     x, theta = (float(value) for value in point)
     return round((theta + SAME_ORBIT) % (2 * pi), 6), round(x, 6)
@@ -344,9 +349,8 @@ def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
     for times in range(n, 1, -1):
         if n % times or equations.periods % times or labels != labels[: n // times] * times:
             continue
-        later = np.array(
-            equations.ends(points)
-        )  # the points one piece later, with one more turn where that is due
+        # The points one piece later, with one more turn where that is due.
+        later = np.array(equations.ends(points))
         for _ in range(n // times - 1):
             later = np.vstack([later[1:], later[:1] + np.array([0.0, float(equations.turn)])])
         if (
@@ -486,7 +490,7 @@ def _canonical(
     least = equations.word.cycle.labels
     # Several if the word repeats itself.
     starts = [i for i in range(len(labels)) if labels[i:] + labels[:i] == least]
-    first = min(starts, key=lambda i: _place(points[i]))
+    first = min(starts, key=lambda i: _rounded_point(points[i]))
     points = _begun_at(points, first, float(equations.turn))
     if first:
         equations = ClosingEquations(equations.parameters, equations.word.cycle, equations.periods)
@@ -560,12 +564,14 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         )
         if not guesses:
             raise ParameterError(
-                "guess", guess, "the motion from there never follows the word; give all switchings"
+                "guess",
+                guess,
+                "the motion from this point never follows the word; give all switching points",
             )
         return min(guesses, key=lambda item: item.defect)
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))
     short = 2 * pi * count * 1e-8
-    # A piece that is shorter is about to vanish.
+    # A piece that is shorter is about to vanish: all are made longer by it, so that none is negative.
     if (np.diff(theta) > -short).all() and (np.diff(theta) <= 0).any():
         theta = np.maximum.accumulate(theta + short * np.arange(n))
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
@@ -612,7 +618,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     points = [(x, theta)]
     planes = [(boundary, start.mode)]
     code = END
-    for _ in range(20 * most):
+    for _ in range(20 * most):  # searches that end without an event count too
         code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0)
         if code in (CROSS, STICK, SLIP):
             points.append((state.x, 2 * pi * state.n + state.theta))
@@ -637,7 +643,7 @@ def settling(
     for word in _words_of_a_period(equations, run) if size is not None else ():
         trial = ClosingEquations(equations.parameters, word, equations.periods)
         guesses = guesses_of_word(run, word.labels, equations.periods, max(size or 0.0, 1e-300))
-        for guess in sorted(guesses, key=lambda item: item.defect)[:4]:
+        for guess in sorted(guesses, key=lambda item: item.defect)[:BEST_GUESSES]:
             solution = solve(trial, guess.points)
             if solution.converged and not failures(trial, solution.points):
                 return Orbit(word, equations.periods, solution.points), ""
@@ -657,12 +663,12 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
         first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
         part = tuple(label for label in labels[first:last] if label)
         if (
-            not 0 < len(part) <= 24
+            not 0 < len(part) <= LONGEST_SIMULATED
             or len(part) < last - first
             or phases[last] - turn < phases[0] - 1
         ):
             continue
-        # they begin as the equations' word does, if possible
+        # Words begin as that of the equations does, if possible.
         if begin in part:
             i = part.index(begin)
         else:
@@ -671,14 +677,16 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
             word = read_word(Word(part[i:] + part[:i]))
             if word not in words:
                 words += [word]
-        if len(words) >= 6:
+        if len(words) >= MOST_SIMULATED:
             break
     return words
 
 
-def resting_text(parameters: Parameters, mode: int, what: str = "the motion comes to rest") -> str:
+def resting_text(
+    parameters: Parameters, mode: int, beginning: str = "the motion comes to rest"
+) -> str:
     """Describe where a motion ends that stays in `mode` for ever; if it can rest in an interval,
-    begin with `what`.
+    with `beginning` as the first words.
     """
     if mode <= 3:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
@@ -686,7 +694,9 @@ def resting_text(parameters: Parameters, mode: int, what: str = "the motion come
     if positions is None:
         return f"the motion ends up on belt {mode - 3} for ever"
     low, high = (f"{float(value):.6g}" for value in positions)
-    return f"{what} on belt {mode - 3}, where every x from {low} to {high} is a position of rest"
+    return (
+        f"{beginning} on belt {mode - 3}, where every x from {low} to {high} is a position of rest"
+    )
 
 
 def guesses_of_word(
@@ -733,7 +743,7 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
         for offset, j, boundary in batch:
             run = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
             guesses += guesses_of_word(run, equations.word.labels, periods, size)
-        yield from sorted(guesses, key=lambda guess: guess.defect)[:4]
+        yield from sorted(guesses, key=lambda guess: guess.defect)[:BEST_GUESSES]
 
 
 def evenly_spaced(equations: ClosingEquations, periods: int) -> Iterator[Guess]:

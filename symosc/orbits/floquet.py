@@ -58,7 +58,8 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
     """Return the multipliers of the orbit through `points` (x, theta), in the arithmetic of
     `equations`.
     """
-    # The matrix is that of perturbations (dx, dv) just after the first switching point.
+    # The matrix, with the rows (xx, xv) and (vx, vv), is that of perturbations (dx, dv) just after
+    # the first switching point.
     K = equations.K
     pieces = equations.pieces
     determinant = 1
@@ -139,7 +140,7 @@ def rest_positions(parameters: Parameters, boundary: int) -> tuple[Fraction, Fra
         return None
     below, above = (parameters.A(domain) for domain in NEIGHBOURS[boundary])
     low, high = (
-        (A + way * abs(parameters.B0)) / parameters.k for A, way in ((above, 1), (below, -1))
+        (A + sign * abs(parameters.B0)) / parameters.k for A, sign in ((above, 1), (below, -1))
     )
     if low <= high:
         return (low, high)

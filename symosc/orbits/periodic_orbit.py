@@ -283,14 +283,15 @@ class PeriodicOrbit(Drawable):
         for name in names:
             value: Fraction = getattr(self.parameters, name)
             step = max(abs(value), Fraction(1, 1000)) / 10**15
-            up, down = (_neighbour(self, name, value + way * step) for way in (1, -1))
+            up, down = (_neighbour(self, name, value + sign * step) for sign in (1, -1))
             columns.append(
                 [complex(a - b) / (2 * float(step)) for a, b in zip(up, down, strict=True)]
             )
         changes = np.array(columns).T
         n = len(self.points)
         slopes = changes[2 * n :]
-        if abs(complex(self.multipliers[0]) - complex(self.multipliers[1])) <= 1e-7:  # they are one
+        first, second = map(complex, self.multipliers)
+        if abs(first - second) <= 1e-7:  # one double multiplier
             slopes = np.full_like(slopes, np.nan)
         return OrbitSensitivities(names, changes[:n].real, changes[n : 2 * n].real, slopes)
 

@@ -198,6 +198,7 @@ def warm() -> list[Warmed]:
     work = np.zeros((8, 11))
     pair_rows = np.zeros(0, PAIR_ROW)
     limits = engine_batch.PairLimits(1, 1.0, 0, 1.0, table, table)
+    # numba compiles a function for the types of its arguments; so these are empty arrays.
     calls: dict[str, list[tuple[Any, tuple[Any, ...]]]] = {
         "events in doubles": [
             (loops.march_rows, (table, np.zeros((1, 2, 7)))),
@@ -235,10 +236,10 @@ def warm() -> list[Warmed]:
         ],
     }
     done = []
-    for what, functions in calls.items():
+    for subject, functions in calls.items():
         was_there = all(is_compiled(function) for function, _ in functions)
         begin = perf_counter()
         for function, arguments in functions:
             function(*arguments)
-        done.append(Warmed(what, was_there, perf_counter() - begin))
+        done.append(Warmed(subject, was_there, perf_counter() - begin))
     return done

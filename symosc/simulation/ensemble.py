@@ -227,11 +227,11 @@ def simulate_many(
     threads = min(read_workers(workers), MOST_WORKERS if task.loops.in_threads else 1)
     with reporting(progress or False, 0, len(problems), "simulate_many") as report:
         parts: list[Any] = in_chunks(len(problems), work, threads, report)
-    if of_events:
-        rows, status = ([item for part in parts for item in part[n]] for n in range(2))
-        columns = map(
-            engine_batch.joined_arrays, map(list, zip(*(part[2] for part in parts), strict=True))
-        )
+    if of_events:  # parts are what `events_of` returns
+        rows = [block for blocks, _, _ in parts for block in blocks]
+        status = [text for _, texts, _ in parts for text in texts]
+        pieces_of_columns = zip(*(changes for _, _, changes in parts), strict=True)
+        columns = [engine_batch.joined_arrays(list(pieces)) for pieces in pieces_of_columns]
         return table_from(
             rows, status, names, **dict(zip(CHANGES if names else (), columns, strict=True))
         )
@@ -239,14 +239,14 @@ def simulate_many(
 
 
 def parameter_sets(
-    what: ParametersLike | Sequence[Parameters] | Mapping[str, ArrayLike],
+    parameters: ParametersLike | Sequence[Parameters] | Mapping[str, ArrayLike],
 ) -> Parameters | Sequence[Parameters] | Mapping[str, ArrayLike]:
     """Return the parameters of a scene, or of its name or file; return others unchanged."""
     several = (sequence_of(Parameters), mapping_of(*ARRAY_LIKE))
-    require(Parameters, Scene, OtherModel, SCENE_OR_NAME, *several, parameters=what)
-    if isinstance(what, Scene | OtherModel | str | PathLike):
-        return parameters_of(what)
-    return what
+    require(Parameters, Scene, OtherModel, SCENE_OR_NAME, *several, parameters=parameters)
+    if isinstance(parameters, Scene | OtherModel | str | PathLike):
+        return parameters_of(parameters)
+    return parameters
 
 
 class EnsembleTask(NamedTuple):
@@ -295,23 +295,24 @@ class Chunk:
             self.tally = no_tally()
         self.rows = list(self._in_doubles(self.batch, self.tally))
         self.alone = dict[int, Trajectory]()
+        # What doubles leave undecided is followed again: in pairs if they are compiled, then alone.
         if task.loops.in_threads:
-            again = self._in_pairs(self._reset_undecided())
+            events_again = self._in_pairs(self._reset_undecided())
         else:
-            again = {}
+            events_again = {}
         for i in self._reset_undecided():
             cancel.check()
             if task.loops.in_threads:
                 pairs = CHOICE.of_pairs(int(self.batch.counts[i]))
             else:
                 pairs = None
-            CHOICE.pairs.events -= int(self.batch.counts[i])
+            CHOICE.pairs.events -= int(self.batch.counts[i])  # from the budget of such events
             self.alone[i] = in_doubles(self.problem(i), task.most, task.accuracy, loops=pairs)
         for i, trajectory in self.alone.items():
-            again[i] = trajectory.rows()
-            again[i].ints[0] = i
-        if again:
-            self.rows = with_replaced(self.rows, again)
+            events_again[i] = trajectory.rows()
+            events_again[i].ints[0] = i
+        if events_again:
+            self.rows = with_replaced(self.rows, events_again)
         self.status = self._statuses()
 
     def problem(self, i: int) -> Start:
@@ -322,7 +323,7 @@ class Chunk:
         """Return starts, indices of parameter sets, their m, mu1, mu2, FN, and their constants, for
         `event_changes`.
         """
-        starts = np.empty((len(self._starts), 5))
+        starts = np.empty((len(self._starts), 5))  # mode, t, theta, x, v, as `tangents` takes them
         sets = self.task.problems.sets
         rows = slice(self._first, self._first + len(starts))
         starts[:, 0] = self._starts["mode"]
@@ -372,19 +373,22 @@ class Chunk:
         """
         events_by_motion: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
-        apart = self.task.problems.surely_fit_pairs(numbers, self._starts["at"][members], FAR_OFF)
-        groups: dict[int, list[int]] = {}
-        for i, is_apart in zip(members, apart.tolist(), strict=True):
-            if is_apart or fits_pairs(self.problem(i)):
+        sure = self.task.problems.surely_fit_pairs(numbers, self._starts["at"][members], FAR_OFF)
+        groups: dict[int, list[int]] = {}  # motions by parameter set
+        for i, surely_fits in zip(members, sure.tolist(), strict=True):
+            if surely_fits or fits_pairs(self.problem(i)):
                 groups.setdefault(int(self.batch.sets[i]), []).append(i)
-        for some in groups.values():
-            events = joined(self._escalate(self.task.problems.sets[self._first + some[0]], some))
+        for group in groups.values():
+            parameters = self.task.problems.sets[self._first + group[0]]
+            events = joined(self._escalate(parameters, group))
+            # Events come as pairs and doubles take turns: sort them by motion, cut between motions,
+            # and replace numbers in the group by those in the chunk.
             order = np.argsort(events.ints[0], kind="stable")
             events = EventRows(*(columns[:, order] for columns in events))
-            cuts = np.searchsorted(events.ints[0], np.arange(len(some) + 1)).tolist()
-            events.ints[0] = np.array(some)[events.ints[0]]
+            cuts = np.searchsorted(events.ints[0], np.arange(len(group) + 1)).tolist()
+            events.ints[0] = np.array(group)[events.ints[0]]
             events_by_motion |= {
-                i: rows_between(events, *cut) for i, cut in zip(some, pairwise(cuts), strict=True)
+                i: rows_between(events, *cut) for i, cut in zip(group, pairwise(cuts), strict=True)
             }
         return events_by_motion
 
@@ -401,7 +405,7 @@ class Chunk:
         states, sets, counts, codes = (column[members] for column in self.batch)
         batch = batch_of(states, sets)
         wanted = counts + (codes == UNDECIDED)
-        going = PairLimits(
+        limits = PairLimits(
             most, self._needed, MOST_MORE, PAIR_NOISE, self.table, careful_table(self.table)
         )
         waiting = np.arange(len(pairs))
@@ -426,11 +430,12 @@ class Chunk:
                 engine_batch.NO_PIECES,
                 K,
                 tally,
-                going,
+                limits,
             )
             filled, _ = functions.follow_pairs(*arguments)
             CHOICE.pairs.events -= filled
             yield rows_between(buffer, 0, min(filled, buffer.floats.shape[1]))
+            # Those that doubles can decide again go on in doubles, until these are in doubt once more.
             active = active[batch.codes[active] == RUNNING]
             further = Batch(*(column[active] for column in batch))
             counted = select_tallies(tally, active)
@@ -565,8 +570,8 @@ class SummaryRequest:
             allowed = f"must have 1 or {len(problems)} values, as many as motions"
             raise ParameterError("skip", f"{len(column)} values", allowed)
         self.skip = np.broadcast_to(column.hi, len(problems))
-        lasts = problems.t_end.hi - problems.t0.hi
-        for row in np.flatnonzero(~((self.skip >= 0.0) & (self.skip < lasts))).tolist():
+        spans = problems.t_end.hi - problems.t0.hi
+        for row in np.flatnonzero(~((self.skip >= 0.0) & (self.skip < spans))).tolist():
             raise ParameterError(
                 column.called(row),
                 column.hi[row % len(column)],
@@ -625,12 +630,12 @@ def summary_of(
     columns |= {
         name: np.where(np.isfinite(columns[name]), columns[name], np.nan) for name in EXTREMES
     }
-    whole = np.isin(status, FOLLOWED)
-    columns["t"] = np.where(whole, task.problems.t_end.pairs(rows).hi, columns["t"])
-    counted = columns["t"] - t0 - asked.skip[rows]
+    reached_end = np.isin(status, FOLLOWED)
+    columns["t"] = np.where(reached_end, task.problems.t_end.pairs(rows).hi, columns["t"])
+    counted_time = columns["t"] - t0 - asked.skip[rows]
     with np.errstate(all="ignore"):
         columns["stuck"] = np.where(
-            counted > 0.0, np.minimum(floats[:, kept.STUCK] / counted, 1.0), np.nan
+            counted_time > 0.0, np.minimum(floats[:, kept.STUCK] / counted_time, 1.0), np.nan
         )
     if "multiplicity" in asked or "section" in asked:
         columns["section"] = np.full(
@@ -683,20 +688,21 @@ def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray,
     rows = trajectory.rows()
     floats = (rows.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error"))
     codes = (rows.ints[1 + CODE_COLUMNS.index(name)].tolist() for name in ("kind", "boundary"))
-    events = list(zip(*floats, *codes, strict=True))[::-1]
+    events_left = list(zip(*floats, *codes, strict=True))[::-1]  # the next one is the last
     last = states[0]
-    whole = trajectory.status in FOLLOWED
+    reached_end = trajectory.status in FOLLOWED
     for before, after in pairwise(states):
-        if not (events or whole):
+        if not (events_left or reached_end):
             break
+        # A piece begins with an event, or where a search without an event was over.
         event = NextEvent(MOVED, 0, True, 0.0, after)
-        if events and events[-1][:2] == (after.x, after.theta):
-            _, _, t_error, kind, boundary = events.pop()
+        if events_left and events_left[-1][:2] == (after.x, after.theta):
+            _, _, t_error, kind, boundary = events_left.pop()
             event = NextEvent(kind, boundary, True, t_error, after)
         tally_step(i, before, event, 0.0, tally, K)
         last = after
     remaining = (float(trajectory.t_end) - t0) - last.t
-    finish_tally(i, last, REST if whole else RUNNING, remaining, 0.0, tally, K)
+    finish_tally(i, last, REST if reached_end else RUNNING, remaining, 0.0, tally, K)
     tally.floats[i, kept.T_LAST] += t0
     return last.mode
 

@@ -93,9 +93,8 @@ class Limits(NamedTuple):
 
     most: int  # events
     accuracy: float  # what doubles are asked for
-    noise: float = (
-        batch.NEGLIGIBLE
-    )  # the largest error of an event, as a part of the error of rounding it to a double
+    # the largest error of an event, as a part of the error of rounding it to a double
+    noise: float = batch.NEGLIGIBLE
 
 
 def fits_pairs(start: Start) -> bool:
@@ -205,14 +204,8 @@ class Motion:
         if self._worst == 0:
             return 0
         context = arithmetic.mp_context(15)
-        return (
-            int(
-                context.ceil(
-                    context.log10(SAFETY * context.convert(self.arithmetic.outward(self._worst)))
-                )
-            )
-            + digits
-        )
+        worst = context.convert(self.arithmetic.outward(self._worst))
+        return int(context.ceil(context.log10(SAFETY * worst))) + digits
 
     @property
     def ended(self) -> bool:
@@ -550,7 +543,7 @@ class FinerMotion:
     ) -> None:
         self._problem = start, K, limits
         self._least = FINER_DIGITS + start.spare_digits
-        self._asked_at = inf
+        self._asked_at = inf  # the number of events before the contact that took more digits
         self.events = list[EventRows]()
         self.pieces = list[np.ndarray]()
         # the time of a contact that cannot be decided, and with how many digits
@@ -572,8 +565,11 @@ class FinerMotion:
         Return False at an undecidable contact.
         """
         reached = self.now.reach(count)
-        while not reached and self._settle_contact():
-            reached = self.now.reach(self._goal)
+        while not reached:
+            goal = self.now.goal
+            if not self._settle_contact():
+                break
+            reached = self.now.reach(goal)
         self._take()
         return reached
 
@@ -590,20 +586,20 @@ class FinerMotion:
         """
         now = self.now
         (start, *_) = self._problem
-        self._goal = now.goal
         if isinstance(now, MotionInPairs):
             return self._go_on(self._least, now)
-        at = now.count - (now.code <= GRAZE)
+        events_before = now.count - (now.code <= GRAZE)  # the contact itself may be counted
         base = 2 * self._least // GRAZE_TIMES
-        if at > self._asked_at:
+        if events_before > self._asked_at:  # not the first contact that took more digits
             least = 2 * now.digits
         else:
             least = 0
+        # The digits that confirm a graze at this contact, and at any until t_end.
         times = now.elapsed, start.t_end - start.t0
         needed, whole = (digits_to_confirm_graze(now, span, base, least) or inf for span in times)
         if least > MOST_SHRINKING:
             needed = inf
-        if now.from_start and now.code != FAILED and now.digits >= needed:
+        if now.from_start and now.code != FAILED and now.digits >= needed:  # it is a graze
             self._asked_at = inf
             return True
         self.open_at = float(now.state.t)
@@ -617,7 +613,7 @@ class FinerMotion:
             return self._go_on(int(whole))
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
-        self._asked_at = at
+        self._asked_at = events_before
         if least:
             most = needed
         else:

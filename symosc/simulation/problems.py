@@ -56,12 +56,15 @@ class NumberColumn:
         values = _as_numpy(name, values)
         alone = not isinstance(values, Sized) or isinstance(values, (str, bytes, Mapping))
         if alone:
-            values = np.array([values, None], dtype=object)[:1]  # whatever it is
+            # with a second entry numpy does not look into the first, whatever it is
+            values = np.array([values, None], dtype=object)[:1]
         elif not isinstance(values, np.ndarray):
             values = np.asarray(list(values), dtype=object)
         if values.ndim != 1:
             raise ParameterError(
-                name, values, f"must be a number or have shape (n,); it has {values.shape}"
+                name,
+                values,
+                f"must be a number or an array of shape (n,), not of shape {values.shape}",
             )
         self.single = len(values) == 1
         if (
@@ -171,9 +174,8 @@ def named(name: str, data: Any, wanted: tuple[str, ...]) -> Any:
     if isinstance(data, Mapping):
         names = list(data)
     elif names is None and hasattr(data, "__getitem__"):
-        labels = getattr(
-            data, "columns", getattr(data, "index", None)
-        )  # a list has a method of this name
+        labels = getattr(data, "columns", getattr(data, "index", None))
+        # A list has a method `index`.
         if labels is None or callable(labels):
             names = None
         else:
@@ -212,9 +214,8 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         fits = inside & ~sure & (abs(lacking) < unit * power)
         rest = np.where(fits, np.sign(values) * lacking / power, rest)
         sure = sure | fits
-    whole_power = (
-        ~whole & (size < 2.0**53) & (np.rint(size) == size)
-    )  # a power of two, as a rule 1, 2 or 4
+    # A power of two, as a rule 1, 2 or 4.
+    whole_power = ~whole & (size < 2.0**53) & (np.rint(size) == size)
     return rest, sure | whole_power
 
 
@@ -420,7 +421,7 @@ class Problems:
         v = self.v0.pairs(rows)
         belt = speed.pairs(rows)
         near = np.flatnonzero(np.broadcast_to(v.hi == belt.hi, rows.stop - rows.start))
-        # one tells of all
+        # Equal doubles of plain columns are equal numbers, so one row tells of all.
         if self.v0.is_plain and speed.is_plain:
             asked = near[:1]
         else:
@@ -452,22 +453,22 @@ class Problems:
         complex number.
         """
         # Forces and what follows from them are left to `symosc.engine.batch.first_pairs`.
-        made = np.zeros(len(rows), PAIR_ROW)
-        made["mode"] = states["mode"]
-        made["at"] = states["at"]
+        in_pairs = np.zeros(len(rows), PAIR_ROW)
+        in_pairs["mode"] = states["mode"]
+        in_pairs["at"] = states["at"]
         for name, column in (("x", self.x0), ("v", self.v0), ("t", self.t0)):
             pairs = column.pairs(rows)
-            made[name].real = pairs.hi
-            made[name].imag = pairs.lo
-        made["t_end"].real = states["t_end"]
-        made["t_end"].imag = states["t_end_low"]
-        made["t0"] = made["t"]
+            in_pairs[name].real = pairs.hi
+            in_pairs[name].imag = pairs.lo
+        in_pairs["t_end"].real = states["t_end"]
+        in_pairs["t_end"].imag = states["t_end_low"]
+        in_pairs["t0"] = in_pairs["t"]
         known = {0j: 0j}
-        for i, t0 in enumerate(made["t0"].tolist()):
+        for i, t0 in enumerate(in_pairs["t0"].tolist()):
             if t0 not in known:
                 known[t0] = phase(self.t0.exact(int(rows[i])))
-            made["theta"][i] = known[t0]
-        return made
+            in_pairs["theta"][i] = known[t0]
+        return in_pairs
 
 
 def _start_columns(starts: Any) -> tuple[NumberColumn, NumberColumn, NumberColumn]:

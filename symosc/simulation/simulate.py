@@ -206,10 +206,10 @@ def read_problem(
     if isinstance(scene, Parameters | OtherModel):
         if arguments["t_end"] is None:
             if isinstance(scene, Parameters):
-                what = "Parameters"
+                passed = "Parameters"
             else:
-                what = "an OtherModel"
-            raise ParameterError("t_end", None, f"t_end is required when you pass {what}")
+                passed = "an OtherModel"
+            raise ParameterError("t_end", None, f"t_end is required when you pass {passed}")
         arguments = {name: 0 if value is None else value for name, value in arguments.items()}
         arguments["t_end"] = end_time(arguments["t_end"], parameters_of(scene), arguments["t0"])
         scene = Scene("motion", scene, **arguments)  # type: ignore[arg-type]
@@ -284,11 +284,11 @@ def in_doubles(
     finer = None
     decided = True
     row = engine_batch.row_of(first, *last_time(start, arithmetic))
-    begun = piece_buffer(1)
+    first_piece = piece_buffer(1)
     batch = engine_batch.batch_of(np.array([row], STATE_ROW))
-    engine_batch.write_piece(begun, 0, first, float(start.t0 - Fraction(first.t)))
+    engine_batch.write_piece(first_piece, 0, first, float(start.t0 - Fraction(first.t)))
     events = list[EventRows]()
-    pieces = [begun]
+    pieces = [first_piece]
     count = 0
     if settles(start):
         code = REST
@@ -310,7 +310,8 @@ def in_doubles(
             finer = finer or FinerMotion(start, K, limits, loops)
             decided = finer.reach(count + (code == UNDECIDED))
             events = list(finer.events)
-            pieces = [begun, *finer.pieces]
+            # It began at the start, so its events and pieces replace those of doubles.
+            pieces = [first_piece, *finer.pieces]
             now = finer.now
             count = now.count
             if now.code in (END, REST):
@@ -339,8 +340,8 @@ def in_doubles(
         message = f"stopped after max_events = {most} events, at t = {last!r}"
     else:
         status, message = _ended(start, code, state_of(batch.states[0]))
-    whole = np.concatenate(pieces, axis=1)
-    return Trajectory(start.parameters, rows, whole, status, message, (t0, last), first.at)
+    all_pieces = np.concatenate(pieces, axis=1)
+    return Trajectory(start.parameters, rows, all_pieces, status, message, (t0, last), first.at)
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
@@ -368,6 +369,7 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
             if advance:
                 advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
             if not motion.decided and motion.code != FAILED and not start.start_error:
+                # A later contact than the one that took more digits takes twice as many.
                 if before > asked_at:
                     least = 2 * working
                 else:
@@ -387,6 +389,7 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
             missing = motion.missing_digits(digits)
         if working >= limit or (missing <= 0 and not undecided):
             break
+        # Three times as many digits for an undecided contact, else as many more as are missing.
         working = min(limit, 3 * working if undecided else working + missing + 2)
     last = motion.state.t
     if undecided or missing > 0:

@@ -88,7 +88,8 @@ class EventTable(Columns):
         if name in CODE_NAMES:
             names = CODE_NAMES[name]
             codes = vars(self)[f"{name}_code"]
-            return np.array([names.get(code, "") for code in range(max(names) + 1)])[codes]
+            name_of_code = np.array([names.get(code, "") for code in range(max(names) + 1)])
+            return name_of_code[codes]
         if name in CHANGES:
             more = f"; with wrt= also {', '.join(CHANGES)}"
         else:
@@ -184,9 +185,10 @@ def table_from(
     """
     parts = parts or [event_buffer(0)]
     columns = dict[str, Any]()
-    for names, which in ((FLOAT_COLUMNS, 0), (("trajectory", *CODE_ATTRIBUTES), 1)):
-        for n, name in enumerate(names):
-            columns[name] = joined_arrays([part[which][n] for part in parts])
+    for n, name in enumerate(FLOAT_COLUMNS):
+        columns[name] = joined_arrays([part.floats[n] for part in parts])
+    for n, name in enumerate(("trajectory", *CODE_ATTRIBUTES)):
+        columns[name] = joined_arrays([part.ints[n] for part in parts])
     return EventTable(status=status, wrt=wrt, **columns, **changes)
 
 
@@ -207,9 +209,9 @@ def rows_of(i: int, events: Sequence[Event]) -> EventRows:
     return rows
 
 
-def counted(count: int, what: str) -> str:
+def counted(count: int, noun: str) -> str:
     """Return a count and a noun, singular or plural, as text."""
-    return f"{count:,} {what}{'s' * (count != 1)}"
+    return f"{count:,} {noun}{'s' * (count != 1)}"
 
 
 def statuses(status: Any) -> str:
@@ -308,10 +310,10 @@ class Summary(Columns):
 
     def __repr__(self) -> str:
         if not len(self.status):
-            what = ", ".join(self.columns())
+            content = ", ".join(self.columns())
         else:
-            what = statuses(self.status)
-        return f"<Summary of {counted(len(self), 'motion')}: {what}>"
+            content = statuses(self.status)
+        return f"<Summary of {counted(len(self), 'motion')}: {content}>"
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return the columns that were asked for, by name."""
@@ -321,11 +323,12 @@ class Summary(Columns):
         """Return a DataFrame, a row per motion; MissingExtraError if pandas is not installed."""
         columns = self.columns()
         section = columns.pop("section", np.zeros((0, 0, 2)))
-        for n in range(section.shape[1]):
-            place = n - section.shape[1]
+        count = section.shape[1]
+        for n in range(count):
+            from_end = n - count  # negative, as an index from the end: -1 is the last whole period
             columns |= {
-                f"section_x[{place}]": section[:, n, 0],
-                f"section_v[{place}]": section[:, n, 1],
+                f"section_x[{from_end}]": section[:, n, 0],
+                f"section_v[{from_end}]": section[:, n, 1],
             }
         pandas = imported("pandas")
         return pandas.DataFrame(columns, index=pandas.RangeIndex(len(self), name="motion"))
@@ -336,8 +339,8 @@ class Summary(Columns):
         MissingExtraError if xarray is not installed.
         """
         columns: Record = {name: (("motion",), column) for name, column in self.columns().items()}
-        places: Record = {"motion": np.arange(len(self))}
+        coordinates: Record = {"motion": np.arange(len(self))}
         if "section" in columns:
             columns["section"] = ("motion", "period", "component"), self.section
-            places |= {"period": np.arange(-self.section.shape[1], 0), "component": ["x", "v"]}
-        return imported("xarray").Dataset(columns, coords=places)
+            coordinates |= {"period": np.arange(-self.section.shape[1], 0), "component": ["x", "v"]}
+        return imported("xarray").Dataset(columns, coords=coordinates)

@@ -20,7 +20,7 @@ from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact, show, unmasked, whole_number
 from symosc.base.files import write_text
 from symosc.engine.arithmetic import Arithmetic, column_functions
-from symosc.engine.batch import EventRows
+from symosc.engine.batch import PIECE_COLUMNS, EventRows
 from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event, events_from
 from symosc.engine.state import ON_BELT
 from symosc.friction import MAPS, MODE_NAMES
@@ -36,6 +36,9 @@ from symosc.words import Labels
 # So many times are evaluated as arrays, and how many at once.
 MANY_TIMES = 1 << 6
 TIMES_TOGETHER = 1 << 16
+# Rows of the array of pieces that are used alone.
+MODE_ROW = PIECE_COLUMNS.index("mode")
+ELAPSED_ROW = PIECE_COLUMNS.index("elapsed")
 #: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
 MAP_LABELS = {
     (row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()
@@ -156,7 +159,7 @@ class Trajectory(Drawable):
         segments = []
         plane = self._first_at
         since = self.t_start
-        mode = MODE_NAMES[int(self._pieces[2, 0])]
+        mode = MODE_NAMES[int(self._pieces[MODE_ROW, 0])]
         for event in self.events:
             segments.append(
                 Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary)))
@@ -169,7 +172,7 @@ class Trajectory(Drawable):
     @cached_property
     def _starts(self) -> Any:
         """The times at which the pieces begin, counted from t0."""
-        return self._pieces[-1].tolist()
+        return self._pieces[ELAPSED_ROW].tolist()
 
     @property
     def word(self) -> Labels:
@@ -200,7 +203,7 @@ class Trajectory(Drawable):
         self._check_times(times)
         names = [
             MODE_NAMES[int(mode)]
-            for mode in self._pieces[2, self._pieces_at(times.ravel() - self._t0)]
+            for mode in self._pieces[MODE_ROW, self._pieces_at(times.ravel() - self._t0)]
         ]
         if times.ndim == 0:
             return names[0]
@@ -225,12 +228,12 @@ class Trajectory(Drawable):
         """Raise ParameterError for a time that is out of range."""
         low = float(self.t_start)
         high = float(self.t_end)
-        for outside in times[~((times >= low) & (times <= high))][:1]:
+        for outside in times[~((times >= low) & (times <= high))][:1]:  # the first one, if any
             raise ParameterError("t", float(outside), f"must be within [{low!r}, {high!r}]")
 
     def _pieces_at(self, elapsed: np.ndarray) -> np.ndarray:
         """Return the numbers of the pieces to which times, counted from t0, belong."""
-        return np.maximum(np.searchsorted(self._pieces[-1], elapsed, "right") - 1, 0)
+        return np.maximum(np.searchsorted(self._pieces[ELAPSED_ROW], elapsed, "right") - 1, 0)
 
     def _state(self, t: float) -> tuple[float, float, float]:
         """Return x, v and the cosine of the phase at a single time."""

@@ -19,6 +19,7 @@ from samples import sample_of
 from symosc import (
     Border,
     ConvergenceError,
+    ParameterError,
     Parameters,
     continue_border,
     continue_orbit,
@@ -389,3 +390,13 @@ def test_a_figure_and_a_page_show_the_border() -> None:
     assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\Omega$", "$F_N$")
     assert border.words[1] in border._repr_html_()
     assert border.as_dict()["words"] == list(border.words)
+
+
+def test_the_message_about_a_second_parameter_proposes_no_name_that_is_not_allowed() -> None:
+    branch = continue_orbit(COULOMB.replace(c="0.1"), "P32", "FN", (0.3, 0.99))
+    with pytest.raises(ParameterError, match=r"must differ from the branch's own parameter FN$"):
+        continue_border(branch, 1, "FN", PLANE)
+    with pytest.raises(ParameterError, match=r"must be one of m, c, k, .*, mu1, mu2$"):
+        continue_border(branch, 1, "Fn", PLANE)
+    with pytest.raises(ParameterError, match=r"mu2; did you mean Omega\?$"):
+        continue_border(branch, 1, "omega", PLANE)
