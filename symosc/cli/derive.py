@@ -77,16 +77,16 @@ def derive(
 ) -> int:
     """Derive a chapter, all chapters or a fragment, and write or print it.
 
-    `of_fragments`: options of fragments.
+    `of_fragments` are the options that only fragments have.
     """
     from symosc.derive.fragments import FRAGMENTS
 
     if subject not in subjects():
-        known = (
-            f"must be one of all, {', '.join(CHAPTERS)} (chapters) or {', '.join(FRAGMENTS)} "
-            "(fragments)"
+        allowed = (
+            f'must be "all", a chapter ({", ".join(CHAPTERS)}) or a fragment '
+            f"({', '.join(FRAGMENTS)})"
         )
-        raise ParameterError("subject", subject, known + meant(subject, subjects()))
+        raise ParameterError("subject", subject, allowed + meant(subject, subjects()))
     if subject in FRAGMENTS:
         if pdf or format == "html":
             raise click.BadParameter(
