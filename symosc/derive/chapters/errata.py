@@ -10,6 +10,7 @@ import sympy as sp
 
 from symosc.derive.chapters.motion import MU, newton
 from symosc.derive.chapters.orbits import orbit_points
+from symosc.derive.chapters.sticks import PAPER_EXITS
 from symosc.derive.errata import SEVERITIES, read_errata
 from symosc.derive.scope import F, Scope
 from symosc.derive.steps import (
@@ -86,7 +87,7 @@ def items(scope: Scope) -> Items:
         held = (newton(above) - newton(alpha)).subs(numbers)
         true = -2 * (MU[belt] * FN / m).subs(numbers)
         return (
-            rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({above})}} = 0$ only. "
+            rf"({PAPER_EXITS[belt]}) lets a stick on belt {belt} end by $F^{{({above})}} = 0$ only. "
             rf"{words} at the time below by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
             decimal("t", time, 20, label=f"{scene}-slip"),
             r"where the acceleration of the paper's condition is still",
