@@ -173,8 +173,6 @@ def friction_between_the_jumps() -> Evidence:
 def friction_at_the_jumps() -> Evidence:
     """Check eq. (1) at x' = v1 and v2: is the friction force in its interval, or one of the values
     on either side?
-
-    ?
     """
     stuck = [
         (contact, friction_interval(contact.p, contact.boundary))

@@ -314,8 +314,6 @@ def negative_drive() -> Evidence:
 def equality() -> Evidence:
     """Check gamma = +-B0 Omega/m: does the flow graze at the phase that (55.2), (56.5), (57.2) and
     (58.5) exclude?
-
-    ?
     """
     numbers: dict[str, Any] = {}
     excluded = returning = 0
@@ -357,8 +355,6 @@ TRACED = {"fig5": ("P2", "P3", "P5", "P6"), "fig8": ("P3", "P5"), "fig10": ("P5"
 def without_force() -> Evidence:
     """Check Theorem 7 as printed, without the hypothesis F = 0: does a phase in its set imply a
     graze?
-
-    ?
     """
     arrivals = inside = 0
     shown: dict[str, Any] = {}
@@ -474,8 +470,6 @@ def one_unknown_is_free() -> Evidence:
 def mappings_that_graze() -> Evidence:
     """Flow back from grazes and simulate up to them: are the mappings that end there P2, P3, P5, P6
     (Theorem 7)?
-
-    ?
     """
     counts: dict[str, Counter[str]] = {mapping: Counter() for mapping in PLACES}
     case = "none"
