@@ -81,8 +81,8 @@ def check(
     """
     solver, t_end, report = (how.pop(name) for name in ("solver", "t_end", "report"))
     if report is not None and not report.lower().endswith((".html", ".htm")):
-        what = f"{report!r}: a page's name must end in .html"
-        raise click.BadParameter(what, param_hint="--report")
+        reason = f"{report!r}: a page's name must end in .html"
+        raise click.BadParameter(reason, param_hint="--report")
     least = 1 if solver else 2
     if case is None and scene is None and len(files) >= least:
         scene, *files = files  # the first word is the scene
@@ -100,8 +100,8 @@ def check(
     result = symosc.crosscheck(problem, source, progress=True, **limits)
     for path, hint in ((picture, "--output"), (report, "--report")):
         if path is not None and isinstance(result, list):
-            what = f"shows one solution, and there are {len(result)}"
-            raise click.BadParameter(what, param_hint=hint)
+            reason = f"shows one solution, and there are {len(result)}"
+            raise click.BadParameter(reason, param_hint=hint)
     output.draw(picture, lambda: result.plot())
     if report is not None:
         result.to_html(report)

@@ -53,18 +53,18 @@ def complete_scene(
     return complete(scene_names)(context, argument, text) or [CompletionItem(text, type="file")]
 
 
-def checked_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
+def checked_file(context: click.Context, parameter: click.Parameter, path: Text) -> Text:
     """Return the file name `path`.
 
     BadParameter if it is empty, or if it is "-" and other output goes there too.
     """
     if path == "":
-        if isinstance(given, click.Option):
-            hint = max(given.opts, key=len)
+        if isinstance(parameter, click.Option):
+            hint = max(parameter.opts, key=len)
         else:
-            hint = given.make_metavar(context)
+            hint = parameter.make_metavar(context)
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
-    return claim_stdout(context, given, path)
+    return claim_stdout(context, parameter, path)
 
 
 def checked_picture(context: click.Context, given: click.Parameter, path: Text) -> Text:
@@ -245,16 +245,16 @@ def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
     for line in scene.notes:
         note(f"{scene.name}: {line}")
     scene = scene.changed(**read_parameters(settings))
-    given = dict[str, Any]()
+    changes = dict[str, Any]()
     for name, text in start.items():
         if text is not None:
             number = read_duration(name, text)
             # `started` reads an expression itself, as it tells how well the start is known.
             if name == "t_end":
-                given[name] = number
+                changes[name] = number
             else:
-                given[name] = text
-    return scene.started(given)
+                changes[name] = text
+    return scene.started(changes)
 
 
 def reduced_scene(scene: Scene) -> Scene:
