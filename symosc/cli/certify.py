@@ -108,7 +108,9 @@ def _print_certificate(certificate: symosc.Certificate) -> None:
         output.write_table(rows, ["t", "x", "kind", "from -> to"])
         output.write("")
     if certificate.derivatives:
-        rows = [[common_digits(*bounds) for bounds in (*dt, *dx)] for dt, dx in certificate.derivatives]
+        rows = [
+            [common_digits(*bounds) for bounds in (*dt, *dx)] for dt, dx in certificate.derivatives
+        ]
         output.write_table(
             rows, [f"d{of}/d{name}" for of in "tx" for name in certificate.statement["wrt"]]
         )

@@ -90,7 +90,8 @@ def fit(
         "outliers": [outlier._asdict() for outlier in result.outliers],
     }
     table = [
-        [name, f"{value:.10g}", f"{result.errors[name]:.2g}"] for name, value in result.values.items()
+        [name, f"{value:.10g}", f"{result.errors[name]:.2g}"]
+        for name, value in result.values.items()
     ]
     text = f"{output.plain_table(['', 'value', 'error'], table)}\n\n{result.message}"
     output.report(lambda: about, lambda: output.write(text))

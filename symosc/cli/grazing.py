@@ -157,7 +157,9 @@ def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], late
     rows = []
     for window in windows:
         numbers = [show(window.gamma), show(window.amplitude)]
-        rows.append([window.mapping, window.case, *numbers, critical_text(window), phases_text(window)])
+        rows.append(
+            [window.mapping, window.case, *numbers, critical_text(window), phases_text(window)]
+        )
     output.write_table(rows, ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"])
     for window in windows:
         if window.not_as_printed:

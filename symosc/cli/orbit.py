@@ -79,13 +79,17 @@ def orbit(
         raise click.BadParameter(reason, param_hint="--continue")
     problem = options.reduced_scene(problem)
     with output.failing(symosc.ConvergenceError):
-        closed_orbit = symosc.find_orbit(problem.parameters, structure or problem.structure, **exact)
+        closed_orbit = symosc.find_orbit(
+            problem.parameters, structure or problem.structure, **exact
+        )
     branch = None
     if closed_orbit.admissible:
         if span is not None:
             name, limits = options.read_span(span, "--continue")
             how: Record = {"periods": exact["periods"], "progress": True}
-            branch = symosc.continue_orbit(closed_orbit.parameters, closed_orbit.word, name, limits, closed_orbit, **how)
+            branch = symosc.continue_orbit(
+                closed_orbit.parameters, closed_orbit.word, name, limits, closed_orbit, **how
+            )
         output.draw(picture, (branch or closed_orbit).plot)
     text = partial(_report_text, problem, closed_orbit, branch)
     output.report(lambda: _orbit_data(problem, closed_orbit, branch), lambda: output.write(text()))
@@ -107,7 +111,9 @@ def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
     output.draw(picture, curves.plot)
     columns = {head: column.tolist() for head, column in curves.columns().items()}
     rows = zip(*columns.values(), strict=True)
-    texts = [[f"{value:.8g}" if isinstance(value, float) else value for value in row] for row in rows]
+    texts = [
+        [f"{value:.8g}" if isinstance(value, float) else value for value in row] for row in rows
+    ]
     heads = [head.replace("_", " ") for head in columns]
     output.report(
         lambda: {"scene": problem.name, **columns}, lambda: output.write_table(texts, heads)

@@ -170,7 +170,8 @@ def plain_table(
         if aligned := head in decimals:
             decimals_of = [_behind_point(cell) for cell in cells]
             cells = [
-                cell + " " * (max(decimals_of) - count) for cell, count in zip(cells, decimals_of, strict=True)
+                cell + " " * (max(decimals_of) - count)
+                for cell, count in zip(cells, decimals_of, strict=True)
             ]
         width = max([len(head) + 2, *map(len, cells)])
         columns.append(

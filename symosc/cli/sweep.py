@@ -93,7 +93,9 @@ def sweep(
             end = "written"
         else:
             end = "not yet written"
-        line = f"{progress.path}: {progress.done:,} of {progress.total:,} motions ({share:.1%}), {end}"
+        line = (
+            f"{progress.path}: {progress.done:,} of {progress.total:,} motions ({share:.1%}), {end}"
+        )
         output.report(progress._asdict, lambda: output.write(line))
         return
     dataset = _swept(problem, over, asked, **how)

@@ -217,8 +217,8 @@ def fragment_scope(
         second_speed = {"v1": speeds["v2"] - 1}
     else:
         second_speed = {}
-    checked = base.replace(**{**second_speed, **settings})
+    complete = base.replace(**{**second_speed, **settings})
     values = tuple(
-        (name, value) for name, value in by_name(checked).items() if scene or name in settings
+        (name, value) for name, value in by_name(complete).items() if scene or name in settings
     )
     return FragmentScope(None, values, form, digits)

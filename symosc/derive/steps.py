@@ -469,12 +469,15 @@ def _motion_sample() -> dict[Expr, Expr]:
     mean = sp.Symbol("r", positive=True)
     half = sp.Symbol("q", positive=True)
     letters = {mean: 37, half: 23, solution.tau: 11, solution.Omega: 29, solution.m: 17}
-    known = {letter: sp.Rational(value, 19) for letter, value in letters.items()}
-    values = {name: sp.N(value.subs(known), 60) for name, value in generic_basis().items()}
-    rates = generic_basis()[solution.cm].subs(known), generic_basis()[solution.w0sq].subs(known)
+    numbers = {letter: sp.Rational(value, 19) for letter, value in letters.items()}
+    values = {name: sp.N(value.subs(numbers), 60) for name, value in generic_basis().items()}
+    rates = generic_basis()[solution.cm].subs(numbers), generic_basis()[solution.w0sq].subs(numbers)
     values |= {solution.cm: rates[0], solution.w0sq: rates[1]}
-    values |= {solution.c: rates[0] * known[solution.m], solution.k: rates[1] * known[solution.m]}
-    return values | {name: known[name] for name in (solution.tau, solution.Omega, solution.m)}
+    values |= {
+        solution.c: rates[0] * numbers[solution.m],
+        solution.k: rates[1] * numbers[solution.m],
+    }
+    return values | {name: numbers[name] for name in (solution.tau, solution.Omega, solution.m)}
 
 
 def _sampled(expr: Expr) -> Expr:

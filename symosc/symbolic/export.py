@@ -307,22 +307,24 @@ def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
     """
     # For arrays, the arguments are flattened and broadcast to one length, and results get the
     # arguments' shape back.
-    begin = f"K.v{row.start.boundary}"
-    end = f"K.v{row.end.boundary}"
+    start_speed = f"K.v{row.start.boundary}"
+    end_speed = f"K.v{row.end.boundary}"
     if row.sticks:
         domain = NEIGHBOURS[row.start.boundary][exit == "above"]
         label = f"{row.label}_{exit}"
-        what = f"stick on belt {row.start.boundary}, slips into domain {domain}"
-        residual = f"stick(x_i, theta_i, x_j, theta_j, {begin}, K.A{domain}, K)"
-        lines = f"x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, {begin}, K)"
+        description = f"stick on belt {row.start.boundary}, slips into domain {domain}"
+        residual = f"stick(x_i, theta_i, x_j, theta_j, {start_speed}, K.A{domain}, K)"
+        slope_line = f"x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, {start_speed}, K)"
         entries = "1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1"
         arguments = "theta_j"
     else:
         label = row.label
-        what = f"domain {row.domain}, from v{row.start.boundary} to v{row.end.boundary}"
-        residual = f"flight(x_i, theta_i, x_j, theta_j, {begin}, {end}, K.A{row.domain}, K)"
-        slopes = f"flight_slopes(x_i, theta_i, theta_j, {begin}, K.A{row.domain}, K)"
-        lines = f"x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = {slopes}"
+        description = f"domain {row.domain}, from v{row.start.boundary} to v{row.end.boundary}"
+        residual = (
+            f"flight(x_i, theta_i, x_j, theta_j, {start_speed}, {end_speed}, K.A{row.domain}, K)"
+        )
+        slopes = f"flight_slopes(x_i, theta_i, theta_j, {start_speed}, K.A{row.domain}, K)"
+        slope_line = f"x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = {slopes}"
         entries = "x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1"
         arguments = "x_i, theta_i, theta_j"
     flattened = ""
@@ -332,12 +334,12 @@ def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
         flattened = "[{0}], shape = flat({0})\n    "
     source = f'''
 def {label}(x_i, theta_i, x_j, theta_j, K):
-    """Return f1, f2 of {row.label}: {what}."""
+    """Return f1, f2 of {row.label}: {description}."""
     {flattened.format("x_i, theta_i, x_j, theta_j")}return {residual}
 
 def {label}{MATRIX}({arguments}, K):
     """Return the derivatives of f1, then of f2, by x_i, theta_i, x_j, theta_j."""
-    {flattened.format(arguments)}{lines}
+    {flattened.format(arguments)}{slope_line}
     return {entries}
 '''
     return label, source
@@ -355,8 +357,8 @@ def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
         argument.annotation = None
     node.returns = None
     node.decorator_list = []
-    what = re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", _first_paragraph(node))
-    node.body[0] = ast.Expr(ast.Constant(what))
+    summary = re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", _first_paragraph(node))
+    node.body[0] = ast.Expr(ast.Constant(summary))
     return ast.fix_missing_locations(node)
 
 
@@ -484,10 +486,10 @@ class _C(ast.NodeTransformer):
         body = list(self.block(node.body))
         if body[-1] == "return;":
             body.pop()
-        what = _first_paragraph(node)
-        lines = [f" * {line}" for line in textwrap.wrap(what, EXPORT_WIDTH - 3)]
+        summary = _first_paragraph(node)
+        lines = [f" * {line}" for line in textwrap.wrap(summary, EXPORT_WIDTH - 3)]
         if len(lines) == 1:
-            lines = [f"/* {what} */"]
+            lines = [f"/* {summary} */"]
         else:
             lines = ["/*", *lines, " */"]
         lines += [f"{'' if _is_map(node.name) else 'static '}{self.head(node)}", "{"]
@@ -623,7 +625,7 @@ def _python(program: _Program) -> str:
     rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
     blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
     if program.arrays:
-        whats = [f": shape {shape} and that of the numbers in z" for shape in shapes]
+        shape_notes = [f": shape {shape} and that of the numbers in z" for shape in shapes]
         frame = (
             "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return "
             "np.array(rows).reshape(({}, *shape))"
@@ -633,15 +635,15 @@ def _python(program: _Program) -> str:
             for body, shape in zip((rows, blocks), shapes, strict=True)
         ]
     else:
-        whats = ["", ""]
+        shape_notes = ["", ""]
         last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
         bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
     first = "f1, f2 of each map"
     second = f"the {'' if program.arrays else '2 x 4 '}derivatives of f1, f2 of each map"
     parts += [
         *map(ast.unparse, program.functions.values()),
-        f'def residual(z, K):\n    """Return {first}, in order of time{whats[0]}."""\n{bodies[0]}',
-        f'def jacobian(z, K):\n    """Return {second}, in order of time{whats[1]}."""\n{bodies[1]}',
+        f'def residual(z, K):\n    """Return {first}, in order of time{shape_notes[0]}."""\n{bodies[0]}',
+        f'def jacobian(z, K):\n    """Return {second}, in order of time{shape_notes[1]}."""\n{bodies[1]}',
         f"""\
 if __name__ == "__main__":
     z = {z}

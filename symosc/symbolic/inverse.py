@@ -594,14 +594,15 @@ def _read_names(mapping: str, names_given: Any, p: Any) -> tuple[str, ...]:
     else:
         asked = (names_given,)
     if p is None:
-        own = "v"
+        belt_name = "v"
     else:
-        own = belt
+        belt_name = belt
     names = tuple(
-        own if isinstance(name, str) and name in (belt, "v_lambda") else name for name in asked
+        belt_name if isinstance(name, str) and name in (belt, "v_lambda") else name
+        for name in asked
     )
     for name, asked_name in zip(names, asked, strict=True):
-        if not isinstance(name, str) or name not in ("Omega", "B0", "k", own):
+        if not isinstance(name, str) or name not in ("Omega", "B0", "k", belt_name):
             known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
             raise ParameterError("name", asked_name, known)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
@@ -635,14 +636,14 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
         "v1": sp.Interval.open(-sp.oo, values[second_belt]),
         "v2": sp.Interval.open(values[second_belt], sp.oo),
     }[belt if name == "v" else name]
-    asked = "v" if name == belt else name, values, domain
+    solved_for = "v" if name == belt else name, values, domain
     if question.asked == "empty":
-        solved = _solve_for_all_phases(*asked, -where.side, True, True)
+        solved = _solve_for_all_phases(*solved_for, -where.side, True, True)
     elif question.asked == "everything":
-        solved = _solve_for_all_phases(*asked, where.side, full, False)
+        solved = _solve_for_all_phases(*solved_for, where.side, full, False)
     elif isinstance(question.theta, PhaseInterval):
         decided = [
-            _containing(*asked, where.side, extreme, full)
+            _containing(*solved_for, where.side, extreme, full)
             for extreme in question.theta.deciding((-1, 1))
         ]
         solved = iter(
@@ -654,7 +655,7 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
             ]
         )
     else:
-        solved = _containing(*asked, where.side, (question.theta, True), full)
+        solved = _containing(*solved_for, where.side, (question.theta, True), full)
     conditions: dict[Expr, Expr] = {}  # conditions with one answer are joined
     for condition, inside in solved:
         if condition != sp.false:

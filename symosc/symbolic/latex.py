@@ -318,10 +318,10 @@ class PaperPrinter(LatexPrinter):
             power = ""
         else:
             power = f"^{{{count}}}"
-        what = self._print(expr.expr)
+        operand = self._print(expr.expr)
         if expr.expr.is_Add:
-            what = _parentheses(what)
-        return rf"\frac{{d{power}}}{{d {self._print(variable)}{power}}} {what}"
+            operand = _parentheses(operand)
+        return rf"\frac{{d{power}}}{{d {self._print(variable)}{power}}} {operand}"
 
     def _print_Function(self, expr: Expr, exp: Any = None) -> str:
         if isinstance(expr, AppliedUndef):
@@ -338,12 +338,12 @@ def _from_both_sides(first: Expr, second: Expr) -> bool:
     """Return whether one condition bounds an expression from below and the other bounds the same
     one from above.
     """
-    both = (
+    comparable = (
         isinstance(first, INEQUALITIES)
         and isinstance(second, INEQUALITIES)
         and first.lhs == second.lhs
     )
-    return both and (first.lhs == first.gts) != (second.lhs == second.gts)
+    return comparable and (first.lhs == first.gts) != (second.lhs == second.gts)
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
