@@ -256,7 +256,7 @@ def solves(
     # Only one function does this, so every sign is checked. `meaning` is as for `exact`.
 
     def check(statement: Step) -> StepEvidence:
-        # in the functions that are the same in all regimes
+        # Whether it is written in the basis functions, which are the same in all regimes.
         general = statement.right.has(*solution.BASIS)
 
         def differentiate(expr: sp.Expr) -> sp.Expr:
@@ -466,6 +466,7 @@ def _motion_sample() -> dict[Expr, Expr]:
     """Return numbers for the basis functions and the letters that they depend on, all from one
     motion.
     """
+    # The letters of `generic_basis`, and any rational numbers: nothing holds by accident.
     mean = sp.Symbol("r", positive=True)
     half = sp.Symbol("q", positive=True)
     letters = {mean: 37, half: 23, solution.tau: 11, solution.Omega: 29, solution.m: 17}
