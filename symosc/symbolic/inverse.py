@@ -90,9 +90,8 @@ class PhaseInterval(NamedTuple):
         """
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
-            inside = (
-                self.low + (self.high - self.low) / parts for parts in (2, 3, 5)
-            )  # not all three are extreme
+            # Three phases inside, which are not all extreme.
+            inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))
             sines = [sp.sin(self._extreme(sign)[0]) for sign in (-1, 1)]
             between = next(
                 theta for theta in inside if all(sign_of(sp.sin(theta) - sine) for sine in sines)
@@ -114,7 +113,7 @@ class PhaseInterval(NamedTuple):
         high = (self.high, not self.high_open)
         difference = sign_of(sign * (sp.sin(self.high) - sp.sin(self.low)))
         # If both ends are equally extreme, prefer one that the interval contains.
-        if difference > 0 or (difference == 0 and high[1] > low[1]):
+        if difference > 0 or (difference == 0 and self.low_open and not self.high_open):
             return high
         return low
 

@@ -76,25 +76,23 @@ def _term_key(term: Expr) -> tuple[float, bool, Any]:
     ]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     letters = letters or {symbol.name for symbol in term.free_symbols}
-    first: float = _place(letters)
-    if first == len(ORDER):
-        held = any(name.startswith("F_{s") for name in letters)
-        if "x_i" in letters or held:
-            first = -2
+    negative = term.could_extract_minus_sign()
+    # Terms without a letter of ORDER stand in front of all others: positive numbers (-3), positions
+    # and F_s (-2), positive terms of basis functions alone (-1.5), speeds (-1).
+    rank: float = _place(letters)
+    if rank == len(ORDER):
+        bare = {
+            symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols
+        }
+        if "x_i" in letters or any(name.startswith("F_{s") for name in letters):
+            rank = -2
         elif letters & SPEEDS:
-            first = -1
-        if first == len(ORDER) and not term.could_extract_minus_sign():
-            bare = {
-                symbol
-                for factor in outside
-                if not factor.is_Function
-                for symbol in factor.free_symbols
-            }
-            if term.is_number:
-                first = -3
-            elif bare <= set(solution.BASIS):
-                first = -1.5
-    return first, term.could_extract_minus_sign(), sp.default_sort_key(term)
+            rank = -1
+        elif term.is_number and not negative:
+            rank = -3
+        elif bare <= set(solution.BASIS) and not negative:
+            rank = -1.5
+    return rank, negative, sp.default_sort_key(term)
 
 
 def terms(expr: Expr) -> list[Expr]:
