@@ -67,12 +67,12 @@ def checked_file(context: click.Context, parameter: click.Parameter, path: Text)
     return claim_stdout(context, parameter, path)
 
 
-def checked_picture(context: click.Context, given: click.Parameter, path: Text) -> Text:
+def checked_picture(context: click.Context, parameter: click.Parameter, path: Text) -> Text:
     """Return the name of a figure's file, checked as any file name.
 
     It must end in .pdf, .svg or .png.
     """
-    if checked_file(context, given, path) is not None:
+    if checked_file(context, parameter, path) is not None:
         from symosc.plot.drawing import check_suffix
 
         check_suffix(path or "")

@@ -166,17 +166,17 @@ def flat(parts: Items) -> list[Any]:
     items: list[Any] = []
     for part in parts:
         if isinstance(part, str):
-            place = 0
+            end_of_last = 0
             for mark in _MARKUP.finditer(part):
-                items.append(Prose(part[place : mark.start()].strip()))
+                items.append(Prose(part[end_of_last : mark.start()].strip()))
                 begin, kind, title, label, end, ended, subsection, heading = (
                     group or "" for group in mark.groups()
                 )
                 items.append(
                     Markup(begin or end or subsection, kind or ended or heading, title, label)
                 )
-                place = mark.end()
-            items.append(Prose(part[place:].strip()))
+                end_of_last = mark.end()
+            items.append(Prose(part[end_of_last:].strip()))
         elif isinstance(part, Prose):
             last = max(i for i, item in enumerate(items) if isinstance(item, Prose) and item.text)
             items[last] = Prose(items[last].text, part.facts)

@@ -181,13 +181,13 @@ def _names_table() -> Table:
     graze = "grazing", "grazing, or vanishing of a stick"
     birth = "birth of a stick", "vanishing of a stick"
     slip = "birth of a slip", "vanishing of a slip"
-    lasts = lengths()
-    divided = lasts["interrupted-slip"]
-    sliding = replace(divided, right=divided.right.subs(lasts["graze"].left, lasts["graze"].right))
+    steps = lengths()
+    divided = steps["interrupted-slip"]
+    sliding = replace(divided, right=divided.right.subs(steps["graze"].left, steps["graze"].right))
     rows = (
-        (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", lasts["graze"], *graze),
-        (NAMES[1], r"$F^{(\alpha)} = 0$ at a passage", lasts["stick"], *birth),
-        (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", lasts["slip-short"], slip[0], "grazing"),
+        (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", steps["graze"], *graze),
+        (NAMES[1], r"$F^{(\alpha)} = 0$ at a passage", steps["stick"], *birth),
+        (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", steps["slip-short"], slip[0], "grazing"),
         (NAMES[3], r"$F^{(\alpha)} = 0$ in a stick", sliding, *slip),
     )
     return Table(

@@ -128,10 +128,10 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
     Return the event times up to its first slip, which must enter `target`.
     """
     events = simulate(load_scene(scene), digits=digits, max_events=6).events
-    place = next(n for n, event in enumerate(events) if event.kind == "slip")
-    if events[place].target != target:
-        raise StepError(scene, f"the mass slips into {events[place].target}")
-    return [event.t for event in events[: place + 1]]
+    slip = next(n for n, event in enumerate(events) if event.kind == "slip")
+    if events[slip].target != target:
+        raise StepError(scene, f"the mass slips into {events[slip].target}")
+    return [event.t for event in events[: slip + 1]]
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
@@ -147,14 +147,14 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
     )
     place = sp.solve(force.subs({v: speed, t: time}).subs(numbers), x)[0]
     flow = solution.flow(scope.regimes[0])
-    at = {
+    at_graze = {
         solution.x_i: place,
         solution.v_i: speed,
         solution.a_i: 0,
         solution.tau: sp.Rational(5, 2) - time,
     }
-    at |= {solution.theta_i: (Omega * time).subs(numbers)}
-    start = (expr.subs(scope.display).subs(at) for expr in (flow.x, flow.v))
+    at_graze |= {solution.theta_i: (Omega * time).subs(numbers)}
+    start = (expr.subs(scope.display).subs(at_graze) for expr in (flow.x, flow.v))
     return place, *(sp.N(coordinate, 60)._to_mpmath(200) for coordinate in start)
 
 

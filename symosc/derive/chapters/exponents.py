@@ -132,7 +132,7 @@ def _derivatives() -> Items:
 
 def _limits() -> Items:
     """Yield the items on where the derivatives end."""
-    lasts = lengths()
+    steps = lengths()
     yield (
         r"\subsection{Where they end}",
         r"The theorem divides by $F^{-}$ or $\dot{F}$. Where one of them vanishes, and where "
@@ -141,21 +141,21 @@ def _limits() -> Items:
         r"first derivative that does not vanish. To leading order",
         r"\begin{enumerate}\item[(i)] a flight that without the belt would go beyond its speed by "
         r"the velocity $\epsilon$ meets it before that, by the time",
-        lasts["graze"],
+        steps["graze"],
         r"A belt with friction lets no flight pass there (Lemma~\ref{thm:motion-jump}): the mass "
         r"sticks. It meets the belt with $F = b s$, and along the belt $F$ falls with the rate $b$ "
         r"as well, so that the stick lasts for",
-        lasts["graze-stick"],
+        steps["graze-stick"],
         r"\item[(ii)] a stick that begins with $F = -\epsilon$ and rises with the rate $b$ lasts "
         r"for",
-        lasts["stick"],
+        steps["stick"],
         r"\item[(iii)] a slip that begins with $F = \epsilon$ and falls with the rate $b$ lasts for",
-        lasts["slip-short"],
+        steps["slip-short"],
         r"\item[(iv)] a stick during which $F = \epsilon - b s^2/2$ is interrupted from $-s$ to "
         r"$2s$, with the $s$ of \eqref{eq:exponents-graze}:",
-        lasts["interrupted"],
+        steps["interrupted"],
         r"so that the slip lasts for",
-        lasts["interrupted-slip"],
+        steps["interrupted-slip"],
         r"\end{enumerate}",
         r"So in (i) and (iv) times grow with the square root on one side, and no derivative exists "
         r"there. In (ii) and (iii) each side has its own derivatives.",

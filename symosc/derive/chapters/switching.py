@@ -185,8 +185,8 @@ def _gap_derivative(order: int) -> Any:
     straight boundary.
     """
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
-    first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
-    gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
+    first, second, moved = (sp.Function(name)(t) for name in ("X", "Y", "s"))
+    gap = n1 * (first - p1 + n2 * moved) + n2 * (second - p2 - n1 * moved)
     right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
     return equation(gap.diff(t, order), right, exact())
 
@@ -194,8 +194,8 @@ def _gap_derivative(order: int) -> Any:
 def at_belt(label: str) -> Step:
     """Return the step on G^(1) at a belt's speed, in terms of the acceleration there."""
     true = {G(1): solution.g_function(1), F(r"\alpha"): solution.acceleration()}
-    at = {Omega * t: theta, v: v_lambda}
-    true = {name: solution.in_paper_letters(value).subs(at) for name, value in true.items()}
+    on_belt = {Omega * t: theta, v: v_lambda}
+    true = {name: solution.in_paper_letters(value).subs(on_belt) for name, value in true.items()}
     return equation(
         G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, true, label
     )

@@ -104,12 +104,12 @@ def _bounded() -> Items:
 
 def _recurrent() -> Items:
     """Return the items on the motions to which all others tend."""
-    place = named("y")
+    y = named("y")
     rate = named(r"\dot{y}")
     bend = named(r"\ddot{y}")
     forces = named(r"(f - \tilde{f})")
     energy = named(r"\dot{W}")
-    meaning = {energy: m * rate * bend + k * place * rate, bend: (forces - k * place) / m}
+    meaning = {energy: m * rate * bend + k * y * rate, bend: (forces - k * y) / m}
     yield (
         r"\subsection{To what all motions tend}",
         r"\begin{lemma}[constant distance]\label{thm:undamped-distance} Let the difference $y$ of "
