@@ -181,11 +181,12 @@ class _Program(NamedTuple):
         """Return each map's function name, its arguments, and those of its Jacobian."""
         calls = []
         for n, label in enumerate(self.maps):
+            # Map n leads from point n to point n + 1 of z, two numbers each.
             names = ("x_i", "theta_i", "x_j", "theta_j")
             z = {name: f"z[{2 * n + i}]" for i, name in enumerate(names)}
-            slopes = self.functions[label + MATRIX].args.args
-            few = [z[argument.arg] for argument in slopes if argument.arg != "K"]
-            calls.append((label, ", ".join([*z.values(), "K"]), ", ".join([*few, "K"])))
+            parameters = self.functions[label + MATRIX].args.args
+            used = [z[parameter.arg] for parameter in parameters if parameter.arg != "K"]
+            calls.append((label, ", ".join([*z.values(), "K"]), ", ".join([*used, "K"])))
         return calls
 
     def about(self, mark: str, run: str) -> str:
@@ -237,7 +238,11 @@ def _program(word: Word, arrays: bool) -> _Program:
     maps: list[str] = []
     wanted: list[str] = []
     for row, exit in zip(word.maps, word.exits(), strict=True):
-        for side in [exit] if exit or not row.sticks else ["below", "above"]:
+        if row.sticks and exit is None:  # the word does not say: both
+            exits: list[str | None] = ["below", "above"]
+        else:
+            exits = [exit]
+        for side in exits:
             label, source = _map_source(row, side, arrays)
             wanted += [label, label + MATRIX]
             sources.append(source)
@@ -277,6 +282,7 @@ def _program(word: Word, arrays: bool) -> _Program:
     _check_complete(functions, {*numbers, *LIBRARY}, used - set(fields))
     needed = set(fields)
     kept = list[ast.Assign]()
+    # Backwards: a step is needed by those after it.
     for name, step in reversed(setup.items()):
         if name in needed:
             kept.insert(0, step)
@@ -306,7 +312,7 @@ def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
     `exit` of a stick: "below" or "above".
     """
     # For arrays, the arguments are flattened and broadcast to one length, and results get the
-    # arguments' shape back.
+    # arguments' shape back: "{0}" in `flattened` is their list.
     start_speed = f"K.v{row.start.boundary}"
     end_speed = f"K.v{row.end.boundary}"
     if row.sticks:
@@ -750,12 +756,12 @@ def _wrapped(text: str) -> str:
     lines = []
     for line in text.splitlines():
         indent = line[: len(line) - len(line.lstrip())]
-        long = len(line) > EXPORT_WIDTH + 8 and not line.lstrip().startswith("*")
-        folded = textwrap.wrap(
-            line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False
-        )
-        if long:
-            lines += folded
+        # A little too long is let pass, and lines of comments stay as they are.
+        too_long = len(line) > EXPORT_WIDTH + 8 and not line.lstrip().startswith("*")
+        if too_long:
+            lines += textwrap.wrap(
+                line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False
+            )
         else:
             lines += [line]
     return "\n".join(lines) + "\n"

@@ -467,21 +467,19 @@ def _times(wave: Any, row: Any) -> Any:
 
 
 def tidy(expr: Any) -> Any:
-    """Write a closed form over a common denominator with its exp, sin, cos, ...
-
-    Collected, so that it is short.
+    """Write a closed form over a common denominator, with the terms of each exp, sin, cos, ...
+    collected, so that it is short.
     """
     waves = sorted(expr.atoms(sp.exp), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in waves]
     numerator, denominator = sp.fraction(
         sp.together(expr.xreplace(dict(zip(waves, stand_ins, strict=True))))
     )
-    numerator, trig = (
-        sp.expand(numerator),
-        sorted(numerator.atoms(*_WAVES), key=sp.default_sort_key),
-    )
-    plain = numerator.xreplace(dict.fromkeys(stand_ins, sp.Integer(0)))
-    rows = {sp.Integer(1): plain} | {
+    trig = sorted(numerator.atoms(*_WAVES), key=sp.default_sort_key)
+    numerator = sp.expand(numerator)
+    without_exp = numerator.xreplace(dict.fromkeys(stand_ins, sp.Integer(0)))
+    # By the exponential that they are the factor of; 1 stands for none.
+    rows = {sp.Integer(1): without_exp} | {
         wave: numerator.coeff(letter) for letter, wave in zip(stand_ins, waves, strict=True)
     }
     numerator = sp.Add(
