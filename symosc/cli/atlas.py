@@ -24,7 +24,7 @@ from symosc.cli.options import Settings, Text, option
 @options.plot_option
 @options.json_option
 def atlas(
-    scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any
+    scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **limits: Any
 ) -> None:
     """Map a plane of two parameters: words, borders, special points, and boxes in which the word is
     proven.
@@ -41,7 +41,7 @@ def atlas(
         (len(dict(spans)) != 2 or len(spans) != 2, "give --over twice, with two parameters")
     )
     plane = symosc.atlas(
-        options.scene_with(scene, settings), dict(spans), **how, path=path, progress=True
+        options.scene_with(scene, settings), dict(spans), **limits, path=path, progress=True
     )
     output.draw(plot, plane.plot)
     output.report(plane.statement, lambda: _print_atlas(plane, path, plot))

@@ -31,7 +31,9 @@ from symosc.cli.options import Settings, Text, option
     "-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path"
 )
 @options.json_option
-def certify(scene: Text, settings: Settings, t_end: Text, path: Text, **asked: Any) -> int:
+def certify(
+    scene: Text, settings: Settings, t_end: Text, path: Text, **subject_options: Any
+) -> int:
     """Prove all events of a scene: none is missed, and each has its kind, and time and position
     within bounds.
 
@@ -51,14 +53,14 @@ def certify(scene: Text, settings: Settings, t_end: Text, path: Text, **asked: A
     """
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
-    if any(map(asked.get, ("word", "span", "mapping"))) and (
-        t_end or asked["start_error"] or asked["wrt"]
+    if any(map(subject_options.get, ("word", "span", "mapping"))) and (
+        t_end or subject_options["start_error"] or subject_options["wrt"]
     ):
         raise click.UsageError(
             "--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window"
         )
     problem = options.reduced_scene(options.scene_with(scene, settings, t_end=t_end))
-    certificate = _proof(problem, **asked)
+    certificate = _proof(problem, **subject_options)
     if path is not None:
         certificate.to_json(path)
     output.report(certificate.as_dict, lambda: _print_certificate(certificate))

@@ -53,7 +53,7 @@ def grazing(
     order: Order,
     latex: bool,
     plot: Text,
-    **asked: Any,
+    **more_options: Any,
 ) -> int:
     """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns
     back (Theorem 7).
@@ -86,7 +86,7 @@ def grazing(
       symosc grazing --map P3 --solve Omega --phase pi
     """
     phases, solve, phase, against = (
-        asked[name] for name in ("phases", "solve", "phase", "against")
+        more_options[name] for name in ("phases", "solve", "phase", "against")
     )
     options.refuse(
         (
@@ -239,17 +239,17 @@ def _solve(
     are formulas if `p` is None. If `plot` names a file, the region of two parameters is drawn.
     `order` is that of `symosc.grazing_window`.
     """
-    asked = tuple(name.strip() for name in names.split(","))
-    if not all(asked) or len(asked) > 2:
+    parameter_names = tuple(name.strip() for name in names.split(","))
+    if not all(parameter_names) or len(parameter_names) > 2:
         raise click.BadParameter(
             f"{names!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve"
         )
     # Without phases there are two answers for each map, and only one region can be drawn.
-    one_region = len(asked) == 2 and phases is not None and len(mappings) == 1
+    one_region = len(parameter_names) == 2 and phases is not None and len(mappings) == 1
     needs_numbers = "--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set"
     draws_one = "--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase"
     options.refuse(
-        (p is None and len(asked) > 1, needs_numbers),
+        (p is None and len(parameter_names) > 1, needs_numbers),
         (plot is not None and not one_region, draws_one),
     )
     low, colon, high = (phases or "").partition(":")
@@ -259,14 +259,14 @@ def _solve(
         )
     if not mappings:
         # Those whose belt's speed is asked for; if both speeds are, the answers say what is wrong.
-        speeds = {name for name in asked if name in ("v1", "v2")}
+        speeds = {name for name in parameter_names if name in ("v1", "v2")}
         mappings = [
             mapping for mapping in PLACES if speeds <= {f"v{place(mapping).boundary}"}
         ] or list(PLACES)
-    if len(asked) == 2:
-        question: Any = asked
+    if len(parameter_names) == 2:
+        question: Any = parameter_names
     else:
-        question = asked[0]
+        question = parameter_names[0]
     answers: list[Any] = []
     with late_bar(True, "solve", "maps") as advance:
         for count, mapping in enumerate(mappings, start=1):

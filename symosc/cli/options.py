@@ -123,9 +123,9 @@ def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any
     *short, long = form.split(", ")
     long, _, metavar = long.partition(" ")
     value, equals, _ = metavar.partition("=")
-    known = KINDS.get(value + equals, {})
+    kind_settings = KINDS.get(value + equals, {})
     return click.option(
-        *short, long, *names, metavar=metavar or None, help=about, **known | settings
+        *short, long, *names, metavar=metavar or None, help=about, **kind_settings | settings
     )
 
 
@@ -176,7 +176,7 @@ def folder_name(output: str, hint: str = "--output") -> str:
     return output
 
 
-def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
+def split_setting(text: str, hint: str, form: str, taken: Iterable[str] = ()) -> tuple[str, str]:
     """Return name and value of NAME=VALUE.
 
     BadParameter for option `hint` if not of that `form`, or name in `known`.
@@ -184,7 +184,7 @@ def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) ->
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)
-    if name in known:
+    if name in taken:
         raise click.BadParameter(f"{name} is given twice", param_hint=hint)
     return name, value
 

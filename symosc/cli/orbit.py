@@ -86,9 +86,14 @@ def orbit(
     if closed_orbit.admissible:
         if span is not None:
             name, limits = options.read_span(span, "--continue")
-            how: Record = {"periods": exact["periods"], "progress": True}
+            follow_options: Record = {"periods": exact["periods"], "progress": True}
             branch = symosc.continue_orbit(
-                closed_orbit.parameters, closed_orbit.word, name, limits, closed_orbit, **how
+                closed_orbit.parameters,
+                closed_orbit.word,
+                name,
+                limits,
+                closed_orbit,
+                **follow_options,
             )
         output.draw(picture, (branch or closed_orbit).plot)
     text = partial(_report_text, problem, closed_orbit, branch)

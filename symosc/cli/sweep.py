@@ -62,7 +62,7 @@ def sweep(
     path: Text,
     plot: Text,
     status: bool,
-    **how: Any,
+    **run_options: Any,
 ) -> None:
     """Follow a motion for each cell of a grid of parameters and starts.
 
@@ -82,12 +82,12 @@ def sweep(
             axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over
         )
         over[name] = values
-    times = {name: how.pop(name) for name in ("t_end", "skip")}
+    times = {name: run_options.pop(name) for name in ("t_end", "skip")}
     times = {name: options.read_duration(name, text) for name, text in times.items() if text}
-    asked: Record = {"record": tuple(record.split(",")), **times, "path": path}
+    request: Record = {"record": tuple(record.split(",")), **times, "path": path}
     if status:
         options.refuse((path is None, "--status tells about the file of -o; name it"))
-        progress = symosc.sweep_status(problem, over, **asked)
+        progress = symosc.sweep_status(problem, over, **request)
         share = progress.done / progress.total
         if progress.written:
             end = "written"
@@ -98,7 +98,7 @@ def sweep(
         )
         output.report(progress._asdict, lambda: output.write(line))
         return
-    dataset = _swept(problem, over, asked, **how)
+    dataset = _swept(problem, over, request, **run_options)
     output.draw(plot, lambda: dataset.symosc.plot())
     sizes = {str(name): size for name, size in dataset.sizes.items()}
     summaries = {str(name): _summary(column) for name, column in dataset.items()}
@@ -108,7 +108,7 @@ def sweep(
 
 
 def _swept(
-    problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool
+    problem: Any, over: dict[str, str], request: Record, workers: Any, executor: Any, restart: bool
 ) -> Any:
     """Return the results of a sweep over the axes `over`.
 
@@ -123,16 +123,16 @@ def _swept(
             raise click.BadParameter(reason, param_hint="--executor")
         executor = dask_client(address)
     try:
-        how: Record = {
+        run_options: Record = {
             "workers": workers,
             "executor": executor,
             "resume": not restart,
             "progress": True,
         }
-        return symosc.sweep(problem, over, **asked, **how)
+        return symosc.sweep(problem, over, **request, **run_options)
     except KeyboardInterrupt:
-        if asked["path"] is not None:
-            progress = symosc.sweep_status(problem, over, **asked)
+        if request["path"] is not None:
+            progress = symosc.sweep_status(problem, over, **request)
             kept = f"{progress.done:,} of {progress.total:,} motions are kept"
             output.complain(f"interrupted: {kept}; the same command goes on")
         raise

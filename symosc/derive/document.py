@@ -203,13 +203,13 @@ def sentence_of(item: Any) -> str:
 
 def untied(text: str, statements: Iterable[Step]) -> list[str]:
     """Return the numbers in a text's formulas that are in none of the statements that belong to it."""
-    known = {
+    checked_numbers = {
         Fraction(number[0])
         for statement in statements
         for side in (statement.left, statement.right)
         for number in numbers_in(f"${latex(side, statement.decimals)}$")
     }
-    return [number[0] for number in numbers_in(text) if Fraction(number[0]) not in known]
+    return [number[0] for number in numbers_in(text) if Fraction(number[0]) not in checked_numbers]
 
 
 # --- numbers and references: LaTeX counts for itself, HTML takes the numbers from here ---

@@ -361,7 +361,7 @@ def _motion(scope: FragmentScope) -> Items:
         )
     at_start, x_step, v_step, _ = domains.flow()
     solved = flat(domains.solved_functions(generic_basis()))
-    others = [item for item in solved if isinstance(item, Step) and item.left != E2]
+    rest_of_functions = [item for item in solved if isinstance(item, Step) and item.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",
@@ -374,7 +374,7 @@ def _motion(scope: FragmentScope) -> Items:
             domains.basis_function(f, regime, label=f.name)
             for f in (BASIS if resonance else (E0, E1, E2))
         ],
-        () if resonance else ("and with", others),
+        () if resonance else ("and with", rest_of_functions),
     )
 
 

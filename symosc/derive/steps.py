@@ -381,11 +381,11 @@ def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
 def resolve(expr: Expr, meaning: Meaning | None) -> Expr:
     """Replace names in an expression by their meanings until no such name is left."""
     expr = sp.sympify(expr)
-    known = {name: sp.sympify(value) for name, value in (meaning or {}).items()}
+    meanings = {name: sp.sympify(value) for name, value in (meaning or {}).items()}
     for _ in range(10):  # a meaning in its own terms would go on for ever
-        if expr.free_symbols.isdisjoint(known):
+        if expr.free_symbols.isdisjoint(meanings):
             break
-        expr = expr.xreplace(known)
+        expr = expr.xreplace(meanings)
         if expr.has(sp.Derivative):
             expr = expr.doit(deep=False)
     return expr

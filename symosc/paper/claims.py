@@ -160,10 +160,10 @@ def read_claims(
                 where, checks, table.pop("check", f"{part}.{name.replace('-', '_')}")
             )
             derivation = next(iter(chapters), None)
-            said = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
-            said |= {key: one_line(value) for key, value in table.items()}
-            one_of(where, "verdict", said["verdict"], VERDICTS)
-            if not ("correction" in table) == bool(errata) == (said["verdict"] in FAULTY):
+            texts = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
+            texts |= {key: one_line(value) for key, value in table.items()}
+            one_of(where, "verdict", texts["verdict"], VERDICTS)
+            if not ("correction" in table) == bool(errata) == (texts["verdict"] in FAULTY):
                 faulty = " or ".join(map(repr, FAULTY))
                 raise RecordsError(
                     where,
@@ -176,7 +176,7 @@ def read_claims(
                 figures=figures,
                 derivation=derivation,
                 errata=errata,
-                **said,
+                **texts,
             )
     return tuple(claims.values()), tuple(unjudged)
 

@@ -169,8 +169,8 @@ def run(
     tasks |= {("claim", claim.id): partial(judge, claim.check) for claim in reversed(plan.claims)}
     tasks |= {("picture", key): partial(draw, picture) for key, picture in plan.pictures.items()}
     done: dict[tuple[str, str], Done] = {}
-    here = ((key, timed(task)) for key, task in tasks.items())
-    with closing(here if workers == 0 else _in_processes(tasks, workers)) as outcomes:
+    in_this_process = ((key, timed(task)) for key, task in tasks.items())
+    with closing(in_this_process if workers == 0 else _in_processes(tasks, workers)) as outcomes:
         for key, outcome in outcomes:
             done[key] = outcome
             if progress:

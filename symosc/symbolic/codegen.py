@@ -153,7 +153,7 @@ def kernels() -> list[Kernel]:
     return [first, _basis_apart(), _repeated_apart(), *others]
 
 
-def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -> Kernel:
+def _kernel(head: str, doc: str, steps: dict[str, Expr], own_arguments: dict[str, Expr]) -> Kernel:
     """Make a kernel from `head`, "NAME ARGUMENT ...", that returns all `steps`.
 
     `own` has arguments not in MEANING.
@@ -162,7 +162,7 @@ def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -
     return Kernel(
         name,
         doc,
-        {argument: (MEANING | own)[argument] for argument in arguments},
+        {argument: (MEANING | own_arguments)[argument] for argument in arguments},
         steps,
         tuple(steps),
     )

@@ -291,7 +291,7 @@ def _program(word: Word, arrays: bool) -> _Program:
 
 
 def _check_complete(
-    functions: dict[str, ast.FunctionDef], known: set[str], constants: set[str]
+    functions: dict[str, ast.FunctionDef], predefined: set[str], constants: set[str]
 ) -> None:
     """Raise ValueError if functions use names or constants that the program does not define."""
     # A name that a kernel module renames would else be missing in the exported program only.
@@ -300,7 +300,7 @@ def _check_complete(
         variables = [leaf for leaf in ast.walk(node) if isinstance(leaf, ast.Name)]
         local = {leaf.id for leaf in variables if isinstance(leaf.ctx, ast.Store)}
         local |= {leaf.arg for leaf in ast.walk(node) if isinstance(leaf, ast.arg)}
-        missing |= {leaf.id for leaf in variables} - local - known - set(functions)
+        missing |= {leaf.id for leaf in variables} - local - predefined - set(functions)
     if missing:
         names = ", ".join(sorted(missing))
         raise ValueError(f"The exported program would not define {names}, which the kernels use.")

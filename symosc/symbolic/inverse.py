@@ -602,8 +602,10 @@ def _read_names(mapping: str, names_given: Any, p: Any) -> tuple[str, ...]:
     )
     for name, asked_name in zip(names, asked, strict=True):
         if not isinstance(name, str) or name not in ("Omega", "B0", "k", belt_name):
-            known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
-            raise ParameterError("name", asked_name, known)
+            allowed = (
+                f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
+            )
+            raise ParameterError("name", asked_name, allowed)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
         raise ParameterError(
             "name", names_given, "give one parameter, or a pair of two different ones"

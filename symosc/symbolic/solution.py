@@ -131,12 +131,12 @@ def rates() -> dict[Expr, Expr]:
         S(tau),
         *(sp.Integral(integral, (u, 0, tau)) for integral in integrals),
     ]
-    known = dict(zip(meanings, BASIS, strict=True))
+    names_of = dict(zip(meanings, BASIS, strict=True))
     ode = {S(tau).diff(tau, 2): -cm * S(tau).diff(tau) - w0sq * S(tau)}
     # factor_terms takes Omega out of the integrals
     return {
-        name: sp.factor_terms(meaning.diff(tau)).xreplace(ode).xreplace(known)
-        for meaning, name in known.items()
+        name: sp.factor_terms(meaning.diff(tau)).xreplace(ode).xreplace(names_of)
+        for meaning, name in names_of.items()
     }
 
 

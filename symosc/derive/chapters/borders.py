@@ -240,14 +240,14 @@ def _examples_table() -> Table:
         p = example.parameters
         branch = continue_orbit(p, example.word, example.name, example.limits)
         end = branch.ends[example.end]
-        there = p.replace(**{example.name: end.value})
+        at_end = p.replace(**{example.name: end.value})
         letter = {"Omega": r"\Omega", "mu1": r"\mu_1"}[example.name]
-        phase = number(there.Omega) * number(end.conditions[0].t)
+        phase = number(at_end.Omega) * number(end.conditions[0].t)
         # m dF/dt on the belt is -(k v_lambda + B0 Omega sin theta).
-        minus_rate = number(there.k * there.belt(example.belt)) + number(
-            there.B0 * there.Omega
+        minus_rate = number(at_end.k * at_end.belt(example.belt)) + number(
+            at_end.B0 * at_end.Omega
         ) * CONTEXT.sin(phase)
-        rate = sp.Float(CONTEXT.nstr(-minus_rate / number(there.m), 20), 20)
+        rate = sp.Float(CONTEXT.nstr(-minus_rate / number(at_end.m), 20), 20)
         if example.negative:
             signs.append(step(rate, "<", 0, at_root(dict)))
         else:

@@ -457,7 +457,7 @@ def _numbers_table() -> Table:
     """Return the table of orders and coefficients: by the theorem, and by the exact flow."""
     rows: list[tuple[Any, ...]] = []
     for n, border in enumerate(CORRECTIONS):
-        for which, (what, formula, power) in enumerate(
+        for which, (change, formula, power) in enumerate(
             (
                 (r"$\delta x$", border.place, border.place_order),
                 (r"$\delta\dot{x}$", border.speed, border.speed_order),
@@ -466,19 +466,19 @@ def _numbers_table() -> Table:
             if power is None:
                 continue
             factor = sp.simplify(formula / SMALL**power)
-            known = sp.lambdify(BEND, factor, {"sqrt": CONTEXT.sqrt})(bend(n))
-            known = CONTEXT.mpf(known)
+            by_formula = sp.lambdify(BEND, factor, {"sqrt": CONTEXT.sqrt})(bend(n))
+            by_formula = CONTEXT.mpf(by_formula)
             fits = close(partial(coefficient, n, which, power), DECIMALS)
             rows.append(
                 (
                     border.name,
-                    what,
+                    change,
                     rf"${sp.latex(power)}$",
                     decimal(
                         "z", order(n, which), 8, close(partial(CONTEXT.mpf, sp.N(power, 50)), 8)
                     ),
                     equation(PLACE, factor, {PLACE: _exact_factor(n, which, power)}),
-                    decimal("z", known, DECIMALS, fits),
+                    decimal("z", by_formula, DECIMALS, fits),
                 )
             )
     setting, numbers = valued({letter: rational(value) for letter, value in SETTING.items()})
@@ -574,8 +574,8 @@ def grazing() -> Grazing:
     """Return the multipliers of the paper's Fig. 9 at the end of its branch, on both sides."""
     p = load_scene("fig9").parameters
     end = borders.continue_orbit(p, *BRANCH).ends[1]
-    there = p.replace(Omega=end.value)
-    orbit = find_orbit(there, BRANCH[0], digits=STEP_DIGITS)
+    at_end = p.replace(Omega=end.value)
+    orbit = find_orbit(at_end, BRANCH[0], digits=STEP_DIGITS)
     before = tuple(CONTEXT.re(CONTEXT.mpmathify(value)) for value in orbit.multipliers)
     (down, place), (up, above) = orbit.points
     touch = CONTEXT.mpf(end.conditions[0].t)
@@ -589,15 +589,15 @@ def grazing() -> Grazing:
         (touch - up, 2, None, None, None),
     )
     matrix = CONTEXT.eye(2)
-    basis = flight_basis(there)
-    ratio = number(there.k / there.m)
+    basis = flight_basis(at_end)
+    ratio = number(at_end.k / at_end.m)
     for length, source, target, x, time in rows:
         e0, e1, e2 = basis(length)
         step_matrix = CONTEXT.matrix([[1 - ratio * e2, e1], [-ratio * e1, e0]])
         if target is not None:
-            angle = number(there.Omega) * time
+            angle = number(at_end.Omega) * time
             force_before, force_after = (
-                force_at_belt(there, alpha, 1, x, angle) for alpha in (source, target)
+                force_at_belt(at_end, alpha, 1, x, angle) for alpha in (source, target)
             )
             saltation = CONTEXT.matrix([[1, 0], [0, force_after / force_before]])
             step_matrix = saltation * step_matrix
@@ -614,8 +614,8 @@ def grazing() -> Grazing:
 
 def _multipliers_table() -> Table:
     """Return the table of the multipliers at the graze of the paper's Fig. 9."""
-    known = grazing()
-    first, second = known.before
+    multipliers = grazing()
+    first, second = multipliers.before
     return Table(
         "tab:corrections-multipliers",
         r"Multipliers at the end of the branch $P_{32}$ of the paper's Fig.~9 at a graze "
@@ -627,8 +627,8 @@ def _multipliers_table() -> Table:
             (
                 decimal("z", first, 6),
                 decimal("z", second, 6),
-                decimal("z", known.entry, 6),
-                decimal("z", known.limit, 6, close(lambda: known.entry, 6)),
+                decimal("z", multipliers.entry, 6),
+                decimal("z", multipliers.limit, 6, close(lambda: multipliers.entry, 6)),
             ),
         ),
         columns="rrrr",

@@ -417,10 +417,10 @@ def _exponents_table() -> Table:
     rows: list[Any] = [
         (
             name,
-            decimal("z", known, 11),
-            decimal("z", number(run), 11, close(partial(CONTEXT.mpf, known), 11)),
+            decimal("z", by_formula, 11),
+            decimal("z", number(run), 11, close(partial(CONTEXT.mpf, by_formula), 11)),
         )
-        for name, known, run in values
+        for name, by_formula, run in values
     ]
     rows.append((r"$\Lambda_2$ of $P_{4645}$", r"$-\infty$", r"$-\infty$"))
     return Table(

@@ -164,8 +164,8 @@ def how_far() -> Items:
     basis = solution.REGIMES["underdamped"].basis()
     half = basis[E2].subs(tau, sp.pi / omega_d)
     stiffness = {k: m * (h**2 + omega_d**2)}
-    (rest,) = sp.solve(solution.relations()[0], E2)
-    limit = {norm: rest.subs({E0: 0, E1: 0}).xreplace(solution.PAPER_LETTERS)}
+    (e2_by_others,) = sp.solve(solution.relations()[0], E2)
+    limit = {norm: e2_by_others.subs({E0: 0, E1: 0}).xreplace(solution.PAPER_LETTERS)}
     summed = exact(
         {norm: half / (1 - decay), **stiffness}, lambda expr: sp.simplify(expr.rewrite(sp.exp))
     )
@@ -239,23 +239,25 @@ def pieces(scope: Scope, word: str) -> list[MappingPiece]:
     for i, (row, exit_side) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
         before = rows[i - 1]
         after = (i + 1) % len(rows)  # 0 after the last one: the orbit is closed
-        here, ends = ((named(f"x_{{{n + 1}}}"), named(rf"\theta_{{{n + 1}}}")) for n in (i, after))
+        start_letters, end_letters = (
+            (named(f"x_{{{n + 1}}}"), named(rf"\theta_{{{n + 1}}}")) for n in (i, after)
+        )
         duration = named(rf"\tau_{{{i + 1}}}")
         start = BELTS[row.start.boundary]
         end = BELTS[row.end.boundary]
         letters = {
-            x_i: here[0],
-            theta_i: here[1],
-            maps.x_j: ends[0],
-            maps.theta_j: ends[1],
+            x_i: start_letters[0],
+            theta_i: start_letters[1],
+            maps.x_j: end_letters[0],
+            maps.theta_j: end_letters[1],
             tau: duration,
         }
         # The last mapping ends at the first point, one period of the drive later.
         if after == 0:
-            phase_at_end = ends[1] + 2 * sp.pi
+            phase_at_end = end_letters[1] + 2 * sp.pi
         else:
-            phase_at_end = ends[1]
-        meaning: dict[Any, Any] = {duration: (phase_at_end - here[1]) / Omega}
+            phase_at_end = end_letters[1]
+        meaning: dict[Any, Any] = {duration: (phase_at_end - start_letters[1]) / Omega}
         if row.sticks:
             below, above = NEIGHBOURS[row.end.boundary]
             if exit_side == "below":
@@ -279,7 +281,7 @@ def pieces(scope: Scope, word: str) -> list[MappingPiece]:
                 meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
         f1, f2 = (_substituted(scope, f.xreplace(letters)) for f in (f1, f2))
         meaning = {name: _substituted(scope, value) for name, value in meaning.items()}
-        parts.append(MappingPiece(row, before, here, f1, f2, meaning))
+        parts.append(MappingPiece(row, before, start_letters, f1, f2, meaning))
     return parts
 
 
@@ -514,9 +516,9 @@ def _extremes(
             )
             yield rf"{words} $F^{{({alpha})}}$ on $[0, 0.9\tau]$", worst, f"${op} 0$", [(op, 0)]
         return
-    known = {a_i: force(row.domain, x_i, speed, theta_i), v_i: speed}
+    start_values = {a_i: force(row.domain, x_i, speed, theta_i), v_i: speed}
     flow = solution.flow(scope.regimes[0])
-    value, times = extremes(flow.v.xreplace(known), flow.a.xreplace(known))
+    value, times = extremes(flow.v.xreplace(start_values), flow.a.xreplace(start_values))
     # Domain n is above the speed of belt n - 1 and below that of belt n, where there are such.
     limits = [
         (op, scope.numbers[BELTS[b]])

@@ -172,12 +172,12 @@ def gap_series(order: int) -> Any:
     rates = sp.symbols(f"g_1:{order + 1}")
     gap = sp.Add(*(rate * tau**n for n, rate in enumerate(rates, 1)))
     drive = B0 * Omega * sp.sin(theta_i + Omega * tau)
-    rest = m * gap.diff(tau, 2) + c * gap.diff(tau) + k * (gap + v_lambda) + drive
-    known = {rates[0]: balance(x_i, v_lambda, theta_i)}
+    residual = m * gap.diff(tau, 2) + c * gap.diff(tau) + k * (gap + v_lambda) + drive
+    solved = {rates[0]: balance(x_i, v_lambda, theta_i)}
     for n, rate in enumerate(rates[1:]):
-        condition = rest.diff(tau, n).subs(tau, 0).subs(known)  # linear in the rate
-        known[rate] = -condition.subs(rate, 0) / condition.diff(rate)
-    return gap.subs(known)
+        condition = residual.diff(tau, n).subs(tau, 0).subs(solved)  # linear in the rate
+        solved[rate] = -condition.subs(rate, 0) / condition.diff(rate)
+    return gap.subs(solved)
 
 
 def _gap_derivative(order: int) -> Any:

@@ -527,7 +527,7 @@ def _examples() -> Items:
     largest = named(r"V_0 + \omega_0 R")
     start = named("x_0")
     limit = named(r"\tfrac{1}{2}\sqrt{3}\,V_0")
-    rest, numbers = valued({named("x"): sp.Integer(START)})
+    start_text, numbers = valued({named("x"): sp.Integer(START)})
     yield (
         r"\begin{example}[the period $2T$]\label{thm:undamped-doubled} Let $m = k = F_N = 1$, $A_0 "
         r"= 0$, $v_1 = -1$, $v_2 = 1$, $\mu_1 = \mu_2 = \frac{1}{5}$, here and below, and $\Omega "
@@ -557,7 +557,7 @@ def _examples() -> Items:
             "tab:undamped-radius",
             rf"The amplitude $R$ of the free part in Example~\ref{{thm:undamped-tori}}: the limit "
             rf"by Theorem~\ref{{thm:undamped-free}} (iv), and at the last event in {PERIODS} "
-            rf"periods by \texttt{{simulate}}, from rest at {rest}, to {DECIMALS} decimals.",
+            rf"periods by \texttt{{simulate}}, from rest at {start_text}, to {DECIMALS} decimals.",
             ("$B_0$", "$R_*$", "run"),
             tuple(map(_radius_row, AMPLITUDES)),
             numbers,

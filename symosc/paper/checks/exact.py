@@ -150,10 +150,10 @@ class RationalContact:
         after the contact.
         """
         if alpha == self.boundary:
-            own = -1
+            side_of_domain = -1
         else:
-            own = 1
-        return self.side(alpha, after=False) == self.side(alpha, after=True) == own
+            side_of_domain = 1
+        return self.side(alpha, after=False) == self.side(alpha, after=True) == side_of_domain
 
     def __str__(self) -> str:
         values = ", ".join(f"{name} = {value}" for name, value in self.p.as_dict().items())

@@ -62,12 +62,12 @@ def vector_field(p: Parameters, alpha: int, x: Fraction, v: Fraction, cosine: Fr
     """Return the acceleration F^(alpha) of eq. (9) in domain `alpha`, at x, v and `cosine` =
     cos(Omega t).
     """
-    rest = {
+    constant_force = {
         1: p.A0 + (p.mu1 + p.mu2) * p.FN,
         2: p.A0 - (p.mu1 - p.mu2) * p.FN,
         3: p.A0 - (p.mu1 + p.mu2) * p.FN,
     }
-    return -p.c / p.m * v - p.k / p.m * x + p.B0 / p.m * cosine + rest[alpha] / p.m
+    return -p.c / p.m * v - p.k / p.m * x + p.B0 / p.m * cosine + constant_force[alpha] / p.m
 
 
 def stick_force(p: Parameters, boundary: int, x: Fraction, cosine: Fraction) -> Fraction:
@@ -296,7 +296,7 @@ def friction_coefficients_in_order() -> Evidence:
     exchanged.
     """
     gaps = [0.0]
-    other = 0
+    different = 0
     for scene in map(load_scene, STATES):
         original = recorded(simulate(scene, max_events=12))
         p = scene.parameters
@@ -306,7 +306,7 @@ def friction_coefficients_in_order() -> Evidence:
             mirrored, t0=scene.t0, x0=-scene.x0, v0=-scene.v0, t_end=scene.t_end, max_events=12
         )
         kinds = [(event.kind, 3 - event.boundary) for event in image.events]
-        other += kinds != [(event.kind, event.boundary) for event in original.events]
+        different += kinds != [(event.kind, event.boundary) for event in original.events]
         gaps += [
             abs(a.t - b.t) + abs(a.x + b.x)
             for a, b in zip(original.events, image.events, strict=False)
@@ -316,12 +316,12 @@ def friction_coefficients_in_order() -> Evidence:
     wrong = sum((below > 0 > above) != sticks for below, above, sticks in reverse)
     numbers = {
         "events of Figs. 5, 6, 8, 9, 10 compared with their mirror image": len(gaps) - 1,
-        "figures whose mirror image has other events": other,
+        "figures whose mirror image has other events": different,
         "largest difference of t and x": f"{max(gaps):.2g}",
         "rational contacts with μ₁ < μ₂": len(reverse),
         "of them Theorem 4 wrong": wrong,
     }
-    needless = not other and not wrong and max(gaps) < 1e-9 and reverse
+    needless = not different and not wrong and max(gaps) < 1e-9 and reverse
     if needless:
         finding = (
             f"It can be assumed, and nothing needs it: Theorem 4 holds at all {len(reverse)} exact "
@@ -630,8 +630,8 @@ def governing_equations() -> Evidence:
     """Check eq. (54): f1 = f2 = 0 for both ends of simulated flights, and DOP853 takes each flight
     to the same end.
     """
-    rests: dict[str, list[float]] = {label: [] for label in FLIGHTS}
-    other: dict[str, list[float]] = {label: [] for label in FLIGHTS}
+    residuals: dict[str, list[float]] = {label: [] for label in FLIGHTS}
+    dop853_errors: dict[str, list[float]] = {label: [] for label in FLIGHTS}
     motions = [simulate(load_scene(name), max_events=40) for name in MAPPED_SCENES]
     # Segment i + 1 goes from event i to event i + 1.
     stretches = [
@@ -650,22 +650,22 @@ def governing_equations() -> Evidence:
         f1, f2 = residual(p, label, (float(start.x), Omega * float(start.t)), (x, Omega * t))
         size_x = max(1.0, abs(x))
         size_v = max(1.0, abs(v))
-        rests[label].append(max(abs(f1) / size_x, abs(f2) / size_v))
-        if len(rests[label]) <= 3:
+        residuals[label].append(max(abs(f1) / size_x, abs(f2) / size_v))
+        if len(residuals[label]) <= 3:
             run = dop853(
                 p, p.A(int(segment.mode[-1])), (float(start.t), t), (float(start.x), float(start.v))
             )
-            other[label].append(
+            dop853_errors[label].append(
                 float(max(abs(run.y[0, -1] - x) / size_x, abs(run.y[1, -1] - v) / size_v))
             )
     # A kind of flight that does not occur counts as wrong.
     worst, by_dop853 = (
         {label: max(by_label[label], default=1.0) for label in FLIGHTS}
-        for by_label in (rests, other)
+        for by_label in (residuals, dop853_errors)
     )
     numbers = {
         label: (
-            f"{len(rests[label])} flights, largest |f₁|, |f₂| {worst[label]:.2g}, by DOP853 "
+            f"{len(residuals[label])} flights, largest |f₁|, |f₂| {worst[label]:.2g}, by DOP853 "
             f"{by_dop853[label]:.2g}"
         )
         for label in FLIGHTS
@@ -673,7 +673,7 @@ def governing_equations() -> Evidence:
     largest = max(worst.values())
     difference = max(by_dop853.values())
     finding = (
-        f"f₁ = f₂ = 0 at the ends of {sum(map(len, rests.values()))} flights of six kinds, to "
+        f"f₁ = f₂ = 0 at the ends of {sum(map(len, residuals.values()))} flights of six kinds, to "
         f"{largest:.1g}"
     )
     finding += f"; by DOP853 to {difference:.1g}."

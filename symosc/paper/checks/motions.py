@@ -275,10 +275,10 @@ def certificate_of(subject: Scene | PeriodicOrbit) -> dict[str, str]:
     """
     try:
         proof = certify(subject)
-        said = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
+        statement = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
     except MissingExtraError:
-        said = "none here: python-flint is not installed"
-    return {"certificate (symosc certify)": said}
+        statement = "none here: python-flint is not installed"
+    return {"certificate (symosc certify)": statement}
 
 
 # --- a second opinion: every stretch computed by another closed form, every switch decided anew by
@@ -543,7 +543,9 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
     label = str(motion(scene).segments[i + 1].label)
     # The engine flies with gains from the contact; (54) is evaluated here from one contact to the
     # next.
-    rest = [abs(f) for f in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))]
+    residuals = [
+        abs(f) for f in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))
+    ]
     duration = after.t - end.t
     domain = int(str(into)[-1])
     drag = p.A(domain) - p.A0
@@ -555,9 +557,9 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
     numbers = {
         "t from, to": text((end.t, after.t), 20),
         "friction force A_α − A₀": text(drag),
-        f"residuals f₁, f₂ of (54) for {subscripted(label)}": text(rest, 2),
+        f"residuals f₁, f₂ of (54) for {subscripted(label)}": text(residuals, 2),
     }
-    held = domain in domains and duration > 0 and max(rest) < NO_FORCE
+    held = domain in domains and duration > 0 and max(residuals) < NO_FORCE
     return Evidence(verdict(held), finding, numbers)
 
 
@@ -663,12 +665,12 @@ def weight(scenes: tuple[Scene, ...]) -> Evidence:
         _figure(scene): (scene.parameters.FN, scene.parameters.m * Fraction("9.81"))
         for scene in scenes
     }
-    equal = [name for name, (force, own) in weights.items() if force == own]
-    others = [name for name in weights if name not in equal]
+    equal = [name for name, (force, weight_force) in weights.items() if force == weight_force]
+    unequal = [name for name in weights if name not in equal]
     finding = f"No equation contains g. F_N = m g in {', '.join(equal) or 'no figure'}"
-    if others:
-        ratios = text((float(weights[name][0] / weights[name][1]) for name in others), 4)
-        finding += f"; in {', '.join(others)} F_N is {ratios} times the weight"
+    if unequal:
+        ratios = text((float(weights[name][0] / weights[name][1]) for name in unequal), 4)
+        finding += f"; in {', '.join(unequal)} F_N is {ratios} times the weight"
     numbers = {f"{name}: F_N, m g": text(pair) for name, pair in weights.items()}
     return Evidence(verdict(equal), f"{finding}.", numbers)
 

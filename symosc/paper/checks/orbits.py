@@ -78,11 +78,11 @@ def orbit_of(scene: Scene) -> PeriodicOrbit:
 @cache
 def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
     try:
-        found = find_orbit(scene.parameters, str(scene.structure), digits=CONTACT_DIGITS)
+        orbit = find_orbit(scene.parameters, str(scene.structure), digits=CONTACT_DIGITS)
     except ConvergenceError:
         return None
-    if found.admissible:
-        return found
+    if orbit.admissible:
+        return orbit
     return None
 
 
@@ -133,8 +133,10 @@ def in_order(scene: Scene) -> Evidence:
     worst = 0 * Omega
     for segment, (start, end) in zip(path.segments, pairwise(points), strict=False):
         if segment.label:
-            rest = residual(p, segment.label, (start.x, Omega * start.t), (end.x, Omega * end.t))
-            worst = max([worst, *map(abs, rest)])
+            residuals = residual(
+                p, segment.label, (start.x, Omega * start.t), (end.x, Omega * end.t)
+            )
+            worst = max([worst, *map(abs, residuals)])
     crossings = [
         forces(p, contact)
         for contact, event in zip(contacts, path.events, strict=True)
@@ -350,7 +352,7 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
         start_contact(scene, motion(scene).events[0].boundary),
         *scene_contacts(scene)[:count],
     ]
-    rest = [
+    residuals = [
         max(map(abs, residual(p, label, (a.x, Omega * a.t), (b.x, Omega * b.t))))
         for label, (a, b) in zip(motion(scene).word[:count], pairwise(contacts), strict=True)
     ]
@@ -360,7 +362,7 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
         f"unknowns and equations of (54) for {subscripted(orbit.word)}": f"{unknowns}, {equations}",
         "rank of its Jacobian at the orbit": str(rank),
         "rank with the closing conditions": str(full_rank),
-        "largest residual of (54) on the motion from the printed start": text(max(rest), 2),
+        "largest residual of (54) on the motion from the printed start": text(max(residuals), 2),
         "x at the end of that motion's first round minus x₀": text(
             contacts[-1].x - contacts[0].x, 10
         ),

@@ -430,13 +430,13 @@ def gamma_is_fixed() -> Evidence:
         for domain, contact in _zero_force_contacts()
         if contact.grazes(domain)
     ]
-    other = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
-    numbers = {"exact grazes": len(grazes), "γ not k v_λ/m": other}
+    different = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
+    numbers = {"exact grazes": len(grazes), "γ not k v_λ/m": different}
     finding = (
         f"At all {len(grazes)} exact grazes ẍ = 0 and γ = k v_λ/m: the parameters alone choose the "
         "case."
     )
-    return evidence(not other, finding, numbers)
+    return evidence(not different, finding, numbers)
 
 
 def one_unknown_is_free() -> Evidence:
