@@ -72,9 +72,9 @@ class CommandLine(click.Group):
         command: click.Command = getattr(
             import_module(f"symosc.cli.{COMMANDS[cmd_name]}"), cmd_name
         )
-        known = {option for each in command.params for option in each.opts}
+        option_names = {option for parameter in command.params for option in parameter.opts}
         command.params += [
-            option for option in _verbosity_options() if not known & set(option.opts)
+            option for option in _verbosity_options() if not option_names & set(option.opts)
         ]
         return command
 

@@ -24,7 +24,7 @@ from symosc.cli.options import Settings, Text, option
 @options.plot_option
 @options.json_option
 def atlas(
-    scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **how: Any
+    scene: str, over: tuple[str, ...], settings: Settings, path: Text, plot: Text, **limits: Any
 ) -> None:
     """Map a plane of two parameters: words, borders, special points, and boxes in which the word is
     proven.
@@ -40,25 +40,25 @@ def atlas(
     options.refuse(
         (len(dict(spans)) != 2 or len(spans) != 2, "give --over twice, with two parameters")
     )
-    made = symosc.atlas(
-        options.scene_with(scene, settings), dict(spans), **how, path=path, progress=True
+    plane = symosc.atlas(
+        options.scene_with(scene, settings), dict(spans), **limits, path=path, progress=True
     )
-    output.draw(plot, made.plot)
-    output.report(made.statement, lambda: _print_atlas(made, path, plot))
+    output.draw(plot, plane.plot)
+    output.report(plane.statement, lambda: _print_atlas(plane, path, plot))
 
 
-def _print_atlas(made: symosc.Atlas, *files: Text) -> None:
+def _print_atlas(plane: symosc.Atlas, *files: Text) -> None:
     rows = [
         [region.word or "none found", f"{region.share:.4%}", f"{region.proven:.4%}"]
-        for region in made.regions
+        for region in plane.regions
     ]
     output.write_table(rows, ["word", "share", "proven"])
-    for border in made.borders:
+    for border in plane.borders:
         words = " | ".join(word or "?" for word in border.words)
         output.write(f"border {words}: {border.sliding or border.kind}, {len(border)} points")
-    for point in made.special:
-        at = ", ".join(
-            f"{name} = {value:.10g}" for name, value in zip(made.over, point.values, strict=True)
+    for point in plane.special:
+        values = ", ".join(
+            f"{name} = {value:.10g}" for name, value in zip(plane.over, point.values, strict=True)
         )
-        output.write(f"{point.kind}: {at}")
+        output.write(f"{point.kind}: {values}")
     output.name_files(*files)

@@ -31,7 +31,9 @@ from symosc.cli.options import Settings, Text, option
     "-o, --output FILE", "Write the certificate, a JSON file. -: to stdout, and only that.", "path"
 )
 @options.json_option
-def certify(scene: Text, settings: Settings, t_end: Text, path: Text, **asked: Any) -> int:
+def certify(
+    scene: Text, settings: Settings, t_end: Text, path: Text, **subject_options: Any
+) -> int:
     """Prove all events of a scene: none is missed, and each has its kind, and time and position
     within bounds.
 
@@ -51,14 +53,14 @@ def certify(scene: Text, settings: Settings, t_end: Text, path: Text, **asked: A
     """
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
-    if any(map(asked.get, ("word", "span", "mapping"))) and (
-        t_end or asked["start_error"] or asked["wrt"]
+    if any(map(subject_options.get, ("word", "span", "mapping"))) and (
+        t_end or subject_options["start_error"] or subject_options["wrt"]
     ):
         raise click.UsageError(
             "--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window"
         )
     problem = options.reduced_scene(options.scene_with(scene, settings, t_end=t_end))
-    certificate = _proof(problem, **asked)
+    certificate = _proof(problem, **subject_options)
     if path is not None:
         certificate.to_json(path)
     output.report(certificate.as_dict, lambda: _print_certificate(certificate))
@@ -86,29 +88,31 @@ def _proof(
         (word is None, f"the scene {problem.name} has no structure of its own; give --orbit")
     )
     with output.failing(symosc.ConvergenceError, "not proven: "):
-        found = symosc.find_orbit(problem.parameters, word)
-    if not found.admissible:
-        output.fail(f"not proven: {found.word} is {found.message}")
+        orbit = symosc.find_orbit(problem.parameters, word)
+    if not orbit.admissible:
+        output.fail(f"not proven: {orbit.word} is {orbit.message}")
     if span is None:
-        return symosc.certify(found)
+        return symosc.certify(orbit)
     name, limits = options.read_span(span, "--branch")
     return symosc.certify(
-        symosc.continue_orbit(found.parameters, found.word, name, limits, found), progress=True
+        symosc.continue_orbit(orbit.parameters, orbit.word, name, limits, orbit), progress=True
     )
 
 
 def _print_certificate(certificate: symosc.Certificate) -> None:
-    # The events of a branch have no times: these depend on the parameter.
+    # The events of a branch have no times and positions: these depend on the parameter.
     timed = [event for event in certificate.events if len(event) > 3]
     if timed:
         rows = [
-            [common_digits(*t), common_digits(*x), kind, f"{old} -> {new}"]
-            for kind, old, new, t, x in timed
+            [common_digits(*t_bounds), common_digits(*x_bounds), kind, f"{old} -> {new}"]
+            for kind, old, new, t_bounds, x_bounds in timed
         ]
         output.write_table(rows, ["t", "x", "kind", "from -> to"])
         output.write("")
     if certificate.derivatives:
-        rows = [[common_digits(*each) for each in (*dt, *dx)] for dt, dx in certificate.derivatives]
+        rows = [
+            [common_digits(*bounds) for bounds in (*dt, *dx)] for dt, dx in certificate.derivatives
+        ]
         output.write_table(
             rows, [f"d{of}/d{name}" for of in "tx" for name in certificate.statement["wrt"]]
         )

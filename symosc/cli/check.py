@@ -52,7 +52,12 @@ if TYPE_CHECKING:
 )
 @option("--report FILE.html", "Write a page with diagnosis, events and pictures as well.")
 def check(
-    files: Sequence[str], scene: Text, case: Text, settings: Settings, picture: Text, **how: Any
+    files: Sequence[str],
+    scene: Text,
+    case: Text,
+    settings: Settings,
+    picture: Text,
+    **check_options: Any,
 ) -> int:
     """Check somebody's solution against the exact motion.
 
@@ -79,10 +84,10 @@ def check(
       symosc check run.csv --case late-start-t0-1e8-fig9
       symosc check fig9 --set k=3 --solver mysolver:solve
     """
-    solver, t_end, report = (how.pop(name) for name in ("solver", "t_end", "report"))
+    solver, t_end, report = (check_options.pop(name) for name in ("solver", "t_end", "report"))
     if report is not None and not report.lower().endswith((".html", ".htm")):
-        what = f"{report!r}: a page's name must end in .html"
-        raise click.BadParameter(what, param_hint="--report")
+        reason = f"{report!r}: a page's name must end in .html"
+        raise click.BadParameter(reason, param_hint="--report")
     least = 1 if solver else 2
     if case is None and scene is None and len(files) >= least:
         scene, *files = files  # the first word is the scene
@@ -94,14 +99,14 @@ def check(
         (solver is None and not files, "give a file of samples, or --solver MODULE:FUNCTION"),
     )
     problem = options.scene_with(_named(scene, case), settings, t_end=t_end)
-    limits = {name: value for name, value in how.items() if value is not None}
+    limits = {name: value for name, value in check_options.items() if value is not None}
     limits["columns"] = options.split_columns(limits.get("columns"), ("t", "x", "v", "id"))
     source = _solutions(files, solver, problem)
     result = symosc.crosscheck(problem, source, progress=True, **limits)
     for path, hint in ((picture, "--output"), (report, "--report")):
         if path is not None and isinstance(result, list):
-            what = f"shows one solution, and there are {len(result)}"
-            raise click.BadParameter(what, param_hint=hint)
+            reason = f"shows one solution, and there are {len(result)}"
+            raise click.BadParameter(reason, param_hint=hint)
     output.draw(picture, lambda: result.plot())
     if report is not None:
         result.to_html(report)

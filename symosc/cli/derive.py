@@ -77,16 +77,16 @@ def derive(
 ) -> int:
     """Derive a chapter, all chapters or a fragment, and write or print it.
 
-    `of_fragments`: options of fragments.
+    `of_fragments` are the options that only fragments have.
     """
     from symosc.derive.fragments import FRAGMENTS
 
     if subject not in subjects():
-        known = (
-            f"must be one of all, {', '.join(CHAPTERS)} (chapters) or {', '.join(FRAGMENTS)} "
-            "(fragments)"
+        allowed = (
+            f'must be "all", a chapter ({", ".join(CHAPTERS)}) or a fragment '
+            f"({', '.join(FRAGMENTS)})"
         )
-        raise ParameterError("subject", subject, known + meant(subject, subjects()))
+        raise ParameterError("subject", subject, allowed + meant(subject, subjects()))
     if subject in FRAGMENTS:
         if pdf or format == "html":
             raise click.BadParameter(
@@ -96,31 +96,44 @@ def derive(
     for name, value in of_fragments.items():
         if value:
             if name == "settings":
-                hint = "--set"
+                option_name = "--set"
             else:
-                hint = f"--{name}"
-            raise click.BadParameter(f"is for fragments ({', '.join(FRAGMENTS)})", param_hint=hint)
+                option_name = f"--{name}"
+            raise click.BadParameter(
+                f"is for fragments ({', '.join(FRAGMENTS)})", param_hint=option_name
+            )
     return _write_chapters(subject, scene, path, format, pdf)
 
 
-def _print_fragment(name: str, scene: Text, path: Text, **how: Any) -> int:
+def _print_fragment(
+    name: str,
+    scene: Text,
+    path: Text,
+    settings: options.Settings,
+    form: Text,
+    digits: int | None,
+    tags: Text,
+    prefix: Text,
+    alone: bool,
+) -> int:
+    """Check a fragment, then print it or write it to the file `path`; return the exit code."""
     from symosc.derive import fragments
     from symosc.derive.scope import fragment_scope
     from symosc.derive.steps import StepError
 
-    numbers = options.read_settings(how["settings"])
+    numbers = options.read_settings(settings)
     if scene is None:
         problem = None
     else:
         problem = load_scene(scene)
-    scope = fragment_scope(numbers, problem, how["form"] or "entire", how["digits"])
+    scope = fragment_scope(numbers, problem, form or "entire", digits)
     with output.failing(StepError, "check failed: "):
         fragment = fragments.check_fragment(name, scope)
-    if how["prefix"] is None:
+    if prefix is None:
         label = fragments.PREFIX
     else:
-        label = how["prefix"]
-    text = fragments.as_latex(fragment, scope, label, how["tags"] == "paper", how["alone"])
+        label = prefix
+    text = fragments.as_latex(fragment, scope, label, tags == "paper", alone)
     if path == STDOUT:
         output.write(text, end="")
     elif path is not None:
@@ -135,6 +148,9 @@ def _print_fragment(name: str, scene: Text, path: Text, **how: Any) -> int:
 
 
 def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool) -> int:
+    """Check one chapter or all of them, then print them or write them to the folder `path`; return
+    the exit code.
+    """
     from symosc.derive import document
     from symosc.derive.scope import Scope
     from symosc.derive.steps import StepError
@@ -153,35 +169,33 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
         problem = None
     else:
         problem = load_scene(scene)
+    if subject == "all":
+        keys = [*CHAPTERS]
+    else:
+        keys = [subject]
+    scope = Scope(problem)
     with output.failing(StepError, "check failed: "), _bars() as progress:
-        if subject == "all":
-            keys = [*CHAPTERS]
-        else:
-            keys = [subject]
-        scope = Scope(problem)
         chapters = [document.check_chapter(key, scope, progress) for key in keys]
     if path == STDOUT:
         output.write(document.printed(chapters, scope, form), end="")
         return 0
     paths = document.write_document(chapters, scope, folder, form)
     status = 0
-    if pdf:
+    if pdf:  # if it fails, the LaTeX is there all the same
         try:
             paths.insert(0, document.make_pdf(folder / document.MAIN))
         except SymoscError as error:
             output.complain(f"{error}")
             status = output.FAILED
     kinds = [evidence.kind for chapter in chapters for _, evidence in chapter.steps()]
-    parts = ", ".join(
+    counts = ", ".join(
         f"{kinds.count(kind)} {kind}" for kind in ("exact", "sign", "numeric") if kind in kinds
     )
     names = list(map(str, paths))
     steps = [{"subject": chapter.key, **row} for chapter in chapters for row in chapter.log()]
     data = {"scene": problem.name if problem else None, "files": names, "steps": steps}
-    output.report(
-        lambda: data,
-        lambda: output.write("\n".join([f"{len(kinds)} steps checked: {parts}", *names])),
-    )
+    lines = [f"{len(kinds)} steps checked: {counts}", *names]
+    output.report(lambda: data, lambda: output.write("\n".join(lines)))
     return status
 
 
@@ -196,7 +210,7 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
 
         def progress(subject: str, done: int, count: int) -> None:
             if subject not in shown:
-                stack.close()
+                stack.close()  # ends the bar of the subject before
                 shown[subject] = stack.enter_context(bar(subject, count))
             shown[subject](done, count)
             if done == count:
@@ -226,7 +240,9 @@ def _bars() -> Iterator[Callable[[str, int, int], None]]:
 @flag("--force", "Replace files that have another content.")
 @options.json_option
 @click.pass_context
-def codegen(ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **how: Any) -> int:
+def codegen(
+    ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **of_word: Any
+) -> int:
     """Write a mapping structure's residual and Jacobian for your own program.
 
     WORD is read right to left, like P32. The file needs nothing of symosc: Python with math, Python
@@ -245,27 +261,27 @@ def codegen(ctx: click.Context, /, word: Text, check: bool, regenerate: bool, **
     """
     if word is not None:
         if check:
-            asked = "--check"
+            flag_name = "--check"
         else:
-            asked = "--regenerate"
+            flag_name = "--regenerate"
         options.refuse(
-            (check or regenerate, f"{asked} is about symosc's own kernels; leave WORD out")
+            (check or regenerate, f"{flag_name} is about symosc's own kernels; leave WORD out")
         )
-        return _export_code(word, **how)
-    names = {str(each.name): max(each.opts, key=len) for each in ctx.command.params}
-    given = [
-        names[name]
-        for name in names
-        if ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        return _export_code(word, **of_word)
+    # The options on the command line that only a word has.
+    options_for_words = [
+        max(parameter.opts, key=len)
+        for parameter in ctx.command.params
+        if parameter.name not in ("check", "regenerate")
+        and ctx.get_parameter_source(str(parameter.name)) is ParameterSource.COMMANDLINE
     ]
-    given = [name for name in given if name not in ("--check", "--regenerate")]
     if check:
-        rest = "not both"
+        advice = "not both"
     else:
-        rest = "or a WORD, such as P32"
+        advice = "or a WORD, such as P32"
     options.refuse(
-        (given, f"{', '.join(given)} needs a WORD, such as P32"),
-        (check == regenerate, f"give --check or --regenerate, {rest}"),
+        (options_for_words, f"{', '.join(options_for_words)} needs a WORD, such as P32"),
+        (check == regenerate, f"give --check or --regenerate, {advice}"),
     )
     return _kernels(regenerate)
 

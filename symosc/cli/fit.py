@@ -61,10 +61,10 @@ def fit(
         widths: list[str] | str | None = sigma.split(",")
     else:
         widths = sigma
-    firsts = dict(each.partition("=")[::2] for each in start)
+    firsts = dict(setting.partition("=")[::2] for setting in start)
     names_of_columns = options.split_columns(columns, ("t", "kind", "x", "v"))
     try:
-        found = fit_parameters(
+        result = fit_parameters(
             problem,
             file,
             names,
@@ -77,23 +77,24 @@ def fit(
         if error.name.partition("[")[0] not in ("data", "t", "kind", "x", "v"):
             raise
         raise click.BadParameter(f"{file}: {error}", param_hint="FILE") from None
-    output.draw(plot, found.plot)
+    output.draw(plot, result.plot)
     about = {
-        "values": found.values,
-        "errors": found.errors,
-        "covariance": found.covariance.tolist(),
+        "values": result.values,
+        "errors": result.errors,
+        "covariance": result.covariance.tolist(),
     }
     about |= {
-        "success": found.success,
-        "message": found.message,
-        "residuals": found.residuals.tolist(),
-        "outliers": [outlier._asdict() for outlier in found.outliers],
+        "success": result.success,
+        "message": result.message,
+        "residuals": result.residuals.tolist(),
+        "outliers": [outlier._asdict() for outlier in result.outliers],
     }
     table = [
-        [name, f"{value:.10g}", f"{found.errors[name]:.2g}"] for name, value in found.values.items()
+        [name, f"{value:.10g}", f"{result.errors[name]:.2g}"]
+        for name, value in result.values.items()
     ]
-    text = f"{output.plain_table(['', 'value', 'error'], table)}\n\n{found.message}"
+    text = f"{output.plain_table(['', 'value', 'error'], table)}\n\n{result.message}"
     output.report(lambda: about, lambda: output.write(text))
-    if found.success:
+    if result.success:
         return 0
     return output.FAILED

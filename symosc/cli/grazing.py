@@ -53,7 +53,7 @@ def grazing(
     order: Order,
     latex: bool,
     plot: Text,
-    **asked: Any,
+    **more_options: Any,
 ) -> int:
     """Print the grazing windows of a scene: at which phases Omega t mod 2 pi a touching flow turns
     back (Theorem 7).
@@ -86,7 +86,7 @@ def grazing(
       symosc grazing --map P3 --solve Omega --phase pi
     """
     phases, solve, phase, against = (
-        asked[name] for name in ("phases", "solve", "phase", "against")
+        more_options[name] for name in ("phases", "solve", "phase", "against")
     )
     options.refuse(
         (
@@ -118,15 +118,15 @@ def grazing(
     if solve is not None:
         answers = _solve(p, chosen, solve, phase, order, plot)
         if p is None:
-            given = None
+            parameters = None
         else:
-            given = p.as_dict()
+            parameters = p.as_dict()
         data: Record = {
-            "parameters": given,
+            "parameters": parameters,
             "order": order,
             "answers": list(map(_answer_data, answers)),
         }
-        texts = [each.latex() if latex else each.text() for each in answers]
+        texts = [answer.latex() if latex else answer.text() for answer in answers]
         output.report(lambda: data, lambda: output.write("\n".join(texts)))
         return 0
     assert p is not None
@@ -152,20 +152,22 @@ def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], late
     from symosc.grazing.window import critical_text, phases_text
 
     if latex:
-        output.write("\n".join(each.latex() for each in windows))
+        output.write("\n".join(window.latex() for window in windows))
         return
     rows = []
-    for each in windows:
-        numbers = [show(each.gamma), show(each.amplitude)]
-        rows.append([each.mapping, each.case, *numbers, critical_text(each), phases_text(each)])
+    for window in windows:
+        numbers = [show(window.gamma), show(window.amplitude)]
+        rows.append(
+            [window.mapping, window.case, *numbers, critical_text(window), phases_text(window)]
+        )
     output.write_table(rows, ["map", "case", "gamma", "B0 Omega/m", "Theta_cr", "window"])
-    for each in windows:
-        if each.not_as_printed:
-            output.write(f"{each.mapping}: {each.not_as_printed}")
-        if each.parameters.k == 0 and each.kind:
-            fixed = ", ".join(map(str, each.contact_phases)) or "at no phase of it"
+    for window in windows:
+        if window.not_as_printed:
+            output.write(f"{window.mapping}: {window.not_as_printed}")
+        if window.parameters.k == 0 and window.kind:
+            fixed = ", ".join(map(str, window.contact_phases)) or "at no phase of it"
             output.write(
-                f"{each.mapping}: k = 0, so x_m is free and F = 0 fixes the phase: {fixed}"
+                f"{window.mapping}: k = 0, so x_m is free and F = 0 fixes the phase: {fixed}"
             )
     for report in reports:
         output.write("\n" + report.summary())
@@ -237,16 +239,17 @@ def _solve(
     are formulas if `p` is None. If `plot` names a file, the region of two parameters is drawn.
     `order` is that of `symosc.grazing_window`.
     """
-    asked = tuple(name.strip() for name in names.split(","))
-    if not all(asked) or len(asked) > 2:
+    parameter_names = tuple(name.strip() for name in names.split(","))
+    if not all(parameter_names) or len(parameter_names) > 2:
         raise click.BadParameter(
             f"{names!r} is not NAME or NAME,NAME, such as Omega", param_hint="--solve"
         )
-    one_region = len(asked) == 2 and phases is not None and len(mappings) == 1
+    # Without phases there are two answers for each map, and only one region can be drawn.
+    one_region = len(parameter_names) == 2 and phases is not None and len(mappings) == 1
     needs_numbers = "--solve NAME,NAME needs numbers: give a SCENE, or every parameter by --set"
     draws_one = "--solve --plot draws one region: give numbers, NAME,NAME, one --map and --phase"
     options.refuse(
-        (p is None and len(asked) > 1, needs_numbers),
+        (p is None and len(parameter_names) > 1, needs_numbers),
         (plot is not None and not one_region, draws_one),
     )
     low, colon, high = (phases or "").partition(":")
@@ -254,15 +257,16 @@ def _solve(
         raise click.BadParameter(
             f"{phases!r} is not PHASE or LOW:HIGH, such as pi:3*pi/2", param_hint="--phase"
         )
-    if not mappings:  # those that depend on what is asked
-        belts = {name for name in asked if name in ("v1", "v2")}
+    if not mappings:
+        # Those whose belt's speed is asked for; if both speeds are, the answers say what is wrong.
+        speeds = {name for name in parameter_names if name in ("v1", "v2")}
         mappings = [
-            mapping for mapping in PLACES if belts <= {f"v{place(mapping).boundary}"}
+            mapping for mapping in PLACES if speeds <= {f"v{place(mapping).boundary}"}
         ] or list(PLACES)
-    if len(asked) == 2:
-        question: Any = asked
+    if len(parameter_names) == 2:
+        question: Any = parameter_names
     else:
-        question = asked[0]
+        question = parameter_names[0]
     answers: list[Any] = []
     with late_bar(True, "solve", "maps") as advance:
         for count, mapping in enumerate(mappings, start=1):
@@ -291,7 +295,7 @@ def _answer_data(answer: Any) -> Record:
         "question": question.text(),
     }
     if isinstance(answer, symosc.Answers):
-        texts = ((condition_text(each.condition), interval_text(each.values)) for each in answer)
+        texts = ((condition_text(case.condition), interval_text(case.values)) for case in answer)
         data["answers"] = [
             {"condition": condition, "values": values} for condition, values in texts
         ]

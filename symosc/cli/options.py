@@ -53,26 +53,26 @@ def complete_scene(
     return complete(scene_names)(context, argument, text) or [CompletionItem(text, type="file")]
 
 
-def checked_file(context: click.Context, given: click.Parameter, path: Text) -> Text:
+def checked_file(context: click.Context, parameter: click.Parameter, path: Text) -> Text:
     """Return the file name `path`.
 
     BadParameter if it is empty, or if it is "-" and other output goes there too.
     """
     if path == "":
-        if isinstance(given, click.Option):
-            hint = max(given.opts, key=len)
+        if isinstance(parameter, click.Option):
+            hint = max(parameter.opts, key=len)
         else:
-            hint = given.make_metavar(context)
+            hint = parameter.make_metavar(context)
         raise click.BadParameter("give the name of a file; '-' is standard output", param_hint=hint)
-    return claim_stdout(context, given, path)
+    return claim_stdout(context, parameter, path)
 
 
-def checked_picture(context: click.Context, given: click.Parameter, path: Text) -> Text:
+def checked_picture(context: click.Context, parameter: click.Parameter, path: Text) -> Text:
     """Return the name of a figure's file, checked as any file name.
 
     It must end in .pdf, .svg or .png.
     """
-    if checked_file(context, given, path) is not None:
+    if checked_file(context, parameter, path) is not None:
         from symosc.plot.drawing import check_suffix
 
         check_suffix(path or "")
@@ -123,9 +123,9 @@ def option(form: str, about: str, *names: str, **settings: Any) -> Callable[[Any
     *short, long = form.split(", ")
     long, _, metavar = long.partition(" ")
     value, equals, _ = metavar.partition("=")
-    known = KINDS.get(value + equals, {})
+    kind_settings = KINDS.get(value + equals, {})
     return click.option(
-        *short, long, *names, metavar=metavar or None, help=about, **known | settings
+        *short, long, *names, metavar=metavar or None, help=about, **kind_settings | settings
     )
 
 
@@ -176,7 +176,7 @@ def folder_name(output: str, hint: str = "--output") -> str:
     return output
 
 
-def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) -> tuple[str, str]:
+def split_setting(text: str, hint: str, form: str, taken: Iterable[str] = ()) -> tuple[str, str]:
     """Return name and value of NAME=VALUE.
 
     BadParameter for option `hint` if not of that `form`, or name in `known`.
@@ -184,7 +184,7 @@ def split_setting(text: str, hint: str, form: str, known: Iterable[str] = ()) ->
     name, _, value = (part.strip() for part in text.partition("="))
     if not (name and value):
         raise click.BadParameter(f"{text!r} is not {form}", param_hint=hint)
-    if name in known:
+    if name in taken:
         raise click.BadParameter(f"{name} is given twice", param_hint=hint)
     return name, value
 
@@ -245,16 +245,16 @@ def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
     for line in scene.notes:
         note(f"{scene.name}: {line}")
     scene = scene.changed(**read_parameters(settings))
-    given = dict[str, Any]()
+    changes = dict[str, Any]()
     for name, text in start.items():
         if text is not None:
             number = read_duration(name, text)
             # `started` reads an expression itself, as it tells how well the start is known.
             if name == "t_end":
-                given[name] = number
+                changes[name] = number
             else:
-                given[name] = text
-    return scene.started(given)
+                changes[name] = text
+    return scene.started(changes)
 
 
 def reduced_scene(scene: Scene) -> Scene:

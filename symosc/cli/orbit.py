@@ -79,19 +79,28 @@ def orbit(
         raise click.BadParameter(reason, param_hint="--continue")
     problem = options.reduced_scene(problem)
     with output.failing(symosc.ConvergenceError):
-        found = symosc.find_orbit(problem.parameters, structure or problem.structure, **exact)
+        closed_orbit = symosc.find_orbit(
+            problem.parameters, structure or problem.structure, **exact
+        )
     branch = None
-    if found.admissible:
+    if closed_orbit.admissible:
         if span is not None:
             name, limits = options.read_span(span, "--continue")
-            how: Record = {"periods": exact["periods"], "progress": True}
-            branch = symosc.continue_orbit(found.parameters, found.word, name, limits, found, **how)
-        output.draw(picture, (branch or found).plot)
-    text = partial(_report_text, problem, found, branch)
-    output.report(lambda: _orbit_data(problem, found, branch), lambda: output.write(text()))
-    if picture == STDOUT and not found.admissible:
+            follow_options: Record = {"periods": exact["periods"], "progress": True}
+            branch = symosc.continue_orbit(
+                closed_orbit.parameters,
+                closed_orbit.word,
+                name,
+                limits,
+                closed_orbit,
+                **follow_options,
+            )
+        output.draw(picture, (branch or closed_orbit).plot)
+    text = partial(_report_text, problem, closed_orbit, branch)
+    output.report(lambda: _orbit_data(problem, closed_orbit, branch), lambda: output.write(text()))
+    if picture == STDOUT and not closed_orbit.admissible:
         output.complain(text())
-    if found.admissible:
+    if closed_orbit.admissible:
         return 0
     return output.FAILED
 
@@ -103,11 +112,13 @@ def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
     name, values = options.split_setting(
         over, "--response", "NAME=LOW:HIGH:N, such as Omega=1:5:80"
     )
-    found = symosc.frequency_response(problem, {name: values}, progress=True)
-    output.draw(picture, found.plot)
-    columns = {head: column.tolist() for head, column in found.columns().items()}
+    curves = symosc.frequency_response(problem, {name: values}, progress=True)
+    output.draw(picture, curves.plot)
+    columns = {head: column.tolist() for head, column in curves.columns().items()}
     rows = zip(*columns.values(), strict=True)
-    texts = [[f"{each:.8g}" if isinstance(each, float) else each for each in row] for row in rows]
+    texts = [
+        [f"{value:.8g}" if isinstance(value, float) else value for value in row] for row in rows
+    ]
     heads = [head.replace("_", " ") for head in columns]
     output.report(
         lambda: {"scene": problem.name, **columns}, lambda: output.write_table(texts, heads)
@@ -115,43 +126,43 @@ def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
 
 
 def _orbit_data(
-    scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None
+    scene: symosc.Scene, orbit: symosc.PeriodicOrbit, branch: symosc.Branch | None
 ) -> Record:
-    data = {"scene": scene.name, **found.as_dict()}
-    if found.admissible:
-        data["start"] = found.approach(scene)._asdict()
+    data = {"scene": scene.name, **orbit.as_dict()}
+    if orbit.admissible:
+        data["start"] = orbit.approach(scene)._asdict()
     if branch is None:
         return data
     return data | {"branch": branch.as_dict()}
 
 
 def _report_text(
-    scene: symosc.Scene, found: symosc.PeriodicOrbit, branch: symosc.Branch | None
+    scene: symosc.Scene, orbit: symosc.PeriodicOrbit, branch: symosc.Branch | None
 ) -> str:
     def decimal(value: Any) -> str:
-        if found.digits is None:
+        if orbit.digits is None:
             return output.FLOAT_FORMAT.format(value)
-        return value.context.nstr(value, found.digits)
+        return value.context.nstr(value, orbit.digits)
 
     rows = []
-    for piece, (t, x) in zip(found.equations().pieces, found.points, strict=True):
+    for piece, (t, x) in zip(orbit.equations().pieces, orbit.points, strict=True):
         moves = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
         if piece.sticks:
             does = f"sticks to belt {piece.start}"
         else:
             does = moves
         rows.append([decimal(t), decimal(x), piece.label, does])
-    sizes = ", ".join(_complex(value) for value in found.multipliers)
+    sizes = ", ".join(_complex(value) for value in orbit.multipliers)
     lines = [
         output.plain_table(["t", "x", "map", "from here it"], rows),
         "",
-        f"{found.word}: {found.message}",
+        f"{orbit.word}: {orbit.message}",
     ]
     lines.append(
-        f"period {decimal(found.period)}, multipliers {sizes}, residual {found.residual:.1e}"
+        f"period {decimal(orbit.period)}, multipliers {sizes}, residual {orbit.residual:.1e}"
     )
-    if found.admissible:
-        lines.append(_start_text(scene, found))
+    if orbit.admissible:
+        lines.append(_start_text(scene, orbit))
     if branch is not None:
         lines += ["", f"branch of {len(branch.values)} points over {branch.parameter}:"]
         for end in branch.ends:
@@ -165,19 +176,19 @@ def _report_text(
     return "\n".join(lines)
 
 
-def _start_text(scene: symosc.Scene, found: symosc.PeriodicOrbit) -> str:
-    near = found.approach(scene)
-    place = (
+def _start_text(scene: symosc.Scene, orbit: symosc.PeriodicOrbit) -> str:
+    near = orbit.approach(scene)
+    text = (
         f"the start of {scene.name} (t = {show(scene.t0)}) differs from the orbit by "
         f"{near.offset_x:.3g} in x and"
     )
-    place += f" {near.offset_v:.3g} in v"
-    if near.dt == near.dt:
-        place += f", from its nearest switching by {near.dt:.3g} in t and {near.dx:.3g} in x"
+    text += f" {near.offset_v:.3g} in v"
+    if near.dt == near.dt:  # not NaN: the start is on a belt of the orbit
+        text += f", from its nearest switching by {near.dt:.3g} in t and {near.dx:.3g} in x"
     if near.periods is None:
-        return f"{place}; the motion from it does not come within {near.within:g}"
+        return f"{text}; the motion from it does not come within {near.within:g}"
     periods = f"{near.periods} period{'' if near.periods == 1 else 's'}"
-    return f"{place}; the motion from it is within {near.within:g} after {periods}"
+    return f"{text}; the motion from it is within {near.within:g} after {periods}"
 
 
 def _complex(value: Any) -> str:

@@ -49,7 +49,7 @@ def claim_stdout(context: click.Context, option: click.Parameter, value: Any) ->
     if value is True or value == STDOUT:
         printing = context.meta.setdefault(_PRINTING, {})
         printing[option.name] = option
-        files = [each for each in printing.values() if not getattr(each, "is_flag", False)]
+        files = [printer for printer in printing.values() if not getattr(printer, "is_flag", False)]
         if files and len(printing) > 1:
             reason = "'-' is standard output, and something else prints there already; name a file"
             raise click.BadParameter(reason, param_hint=max(files[0].opts, key=len))
@@ -69,14 +69,14 @@ def report(data: Callable[[], object], show: Callable[[], object]) -> None:
     printing = click.get_current_context().meta.get(_PRINTING, {}).values()
     if prints_json():
         write_json(data())
-    elif all(getattr(each, "is_flag", False) for each in printing):
+    elif all(getattr(printer, "is_flag", False) for printer in printing):
         show()
 
 
-def draw(path: str | None, plot: Callable[..., Any], *given: Any) -> None:
+def draw(path: str | None, plot: Callable[..., Any], *arguments: Any) -> None:
     """Write the figure that `plot(*given)` returns to a file; do nothing if no file is named."""
     if path is not None:
-        symosc.plot.save(plot(*given), path)
+        symosc.plot.save(plot(*arguments), path)
 
 
 def write(text: str, end: str = "\n") -> None:
@@ -126,16 +126,16 @@ def note(text: str, least: int = progress.NORMAL) -> None:
 def write_json(data: object) -> None:
     """Print plain data as JSON, with null for numbers that JSON lacks."""
 
-    def known(value: Any) -> Any:
+    def without_infinities(value: Any) -> Any:
         if isinstance(value, dict):
-            return {key: known(each) for key, each in value.items()}
+            return {key: without_infinities(item) for key, item in value.items()}
         if isinstance(value, list | tuple):
-            return [known(each) for each in value]
+            return [without_infinities(item) for item in value]
         if isinstance(value, float) and not isfinite(value):
             return None
         return value
 
-    write(json.dumps(known(data), indent=1))
+    write(json.dumps(without_infinities(data), indent=1))
 
 
 def write_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> None:
@@ -148,7 +148,7 @@ def write_table(rows: Sequence[Sequence[str]], heads: Sequence[str]) -> None:
         cell = rf"(?<=  )({'|'.join(CELL_COLOURS)})(?=  |$)"
         text = re.sub(
             cell,
-            lambda found: click.style(found[0], fg=CELL_COLOURS[found[0]]),
+            lambda match: click.style(match[0], fg=CELL_COLOURS[match[0]]),
             text,
             flags=re.MULTILINE,
         )
@@ -168,9 +168,10 @@ def plain_table(
     for i, head in enumerate(heads):
         cells = [row[i].strip() for row in rows]
         if aligned := head in decimals:
-            behind = [_behind_point(cell) for cell in cells]
+            decimals_of = [_behind_point(cell) for cell in cells]
             cells = [
-                cell + " " * (max(behind) - each) for cell, each in zip(cells, behind, strict=True)
+                cell + " " * (max(decimals_of) - count)
+                for cell, count in zip(cells, decimals_of, strict=True)
             ]
         width = max([len(head) + 2, *map(len, cells)])
         columns.append(

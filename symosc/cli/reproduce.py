@@ -77,12 +77,12 @@ def _print_summary(results: Results, folder: Path) -> None:
 
     heads = ["claim", "source", "verdict", "changed"][: 4 if results.changed else 3]
     rows = []
-    for each in results.judged:
-        if each in results.changed:
-            mark = f"committed: {each.claim.verdict}"
+    for judged in results.judged:
+        if judged in results.changed:
+            mark = f"committed: {judged.claim.verdict}"
         else:
             mark = ""
-        rows.append([each.claim.id, each.claim.source, each.verdict, mark][: len(heads)])
+        rows.append([judged.claim.id, judged.claim.source, judged.verdict, mark][: len(heads)])
     output.write_table(rows, heads)
     counts = ", ".join(f"{count} {verdict}" for verdict, count in results.counts.items() if count)
     steps = sum(done.value[0] for done in results.chapters.values() if done.value)
@@ -93,7 +93,7 @@ def _print_summary(results: Results, folder: Path) -> None:
     severities = ", ".join(
         f"{errata[severity]} {severity}" for severity in SEVERITIES if errata[severity]
     )
-    lines = ["", *(f"CHANGED {each.claim.id}: {each.finding}" for each in results.changed)]
+    lines = ["", *(f"CHANGED {judged.claim.id}: {judged.finding}" for judged in results.changed)]
     lines += [f"FAILED {name}: {error}" for name, error in results.failures.items()]
     lines.append(f"{len(results.judged)} claim{'s' if len(results.judged) > 1 else ''}: {counts}")
     if errata:

@@ -37,13 +37,13 @@ def scenes(scene: str | None) -> None:
 
 def _print_scenes(listed: list[Scene]) -> None:
     # The source of every scene of the paper begins with the paper; once is enough.
-    sources = [each.source for each in listed if figure_of(each.name)]
+    sources = [scene.source for scene in listed if figure_of(scene.name)]
     common = commonprefix(sources).rpartition(", ")[0]  # noqa: RUF071  letter by letter
     rows = []
-    for each in listed:
-        span = [f"{float(time):.6g}" for time in (each.t0, each.t_end)]
+    for scene in listed:
+        span = [f"{float(time):.6g}" for time in (scene.t0, scene.t_end)]
         rows.append(
-            [each.name, *span, each.structure or "", each.source.removeprefix(f"{common}, ")]
+            [scene.name, *span, scene.structure or "", scene.source.removeprefix(f"{common}, ")]
         )
     output.write_table(rows, ["scene", "from t", "to t", "structure", "what it is"])
     output.write(f"\nsource of the figures: {common}")
@@ -56,7 +56,7 @@ def _scene_data(scene: Scene) -> Record:
     if scene.start_error is None:
         error = None
     else:
-        error = [show(each) for each in scene.start_error]
+        error = [show(number) for number in scene.start_error]
     data: Record = {
         "name": scene.name,
         "source": scene.source,

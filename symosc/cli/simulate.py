@@ -31,7 +31,7 @@ from symosc.words import collapsed
 @option("--digits N", "N digits, relative to max(1, |value|); default: doubles.")
 @option("--csv FILE", "Write the events, all digits, as CSV as well. -: only that.")
 @options.json_option
-def simulate(scene: str, settings: Settings, csv: Text, **how: Any) -> int:
+def simulate(scene: str, settings: Settings, csv: Text, **run_options: Any) -> int:
     """Follow a scene and print its events.
 
     Columns: time, position, velocity and phase (Omega t mod 2 pi) of each event; its kind (cross a
@@ -50,9 +50,9 @@ def simulate(scene: str, settings: Settings, csv: Text, **how: Any) -> int:
       symosc simulate fig5
       symosc simulate fig8 --set c=3.9 --t-end 20 --digits 30 --csv events.csv
     """
-    start = {name: how.pop(name) for name in ("t_end", "t0", "x0", "v0")}
+    start = {name: run_options.pop(name) for name in ("t_end", "t0", "x0", "v0")}
     problem = options.scene_with(scene, settings, **start)
-    trajectory = symosc.simulate(problem, progress=True, **how)
+    trajectory = symosc.simulate(problem, progress=True, **run_options)
     if csv is not None:
         trajectory.to_csv(csv)
     output.report(
@@ -105,7 +105,9 @@ def _cell(name: str, row: Record) -> str:
 @option(
     "--columns", "2: as wide as a page. 1: as a column of it.", type=WholeNumber(1, 2), default=2
 )
-def figure(scene: str, path: str, settings: Settings, t_end: Text, panels: Text, **how: Any) -> int:
+def figure(
+    scene: str, path: str, settings: Settings, t_end: Text, panels: Text, **figure_options: Any
+) -> int:
     """Draw a scene in panels like those of the paper's figures 5 to 10.
 
     \b
@@ -122,7 +124,7 @@ def figure(scene: str, path: str, settings: Settings, t_end: Text, panels: Text,
     )
     if panels is None:
         panels = figures.default_panels(problem)
-    symosc.plot.save(figures.figure(trajectory, panels=panels, **how), path)
+    symosc.plot.save(figures.figure(trajectory, panels=panels, **figure_options), path)
     span = f"t = {float(trajectory.t_start):.6g} to {float(trajectory.t_end):.6g}"
     if path != STDOUT:
         output.write(

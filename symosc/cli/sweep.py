@@ -62,7 +62,7 @@ def sweep(
     path: Text,
     plot: Text,
     status: bool,
-    **how: Any,
+    **run_options: Any,
 ) -> None:
     """Follow a motion for each cell of a grid of parameters and starts.
 
@@ -82,31 +82,33 @@ def sweep(
             axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over
         )
         over[name] = values
-    times = {name: how.pop(name) for name in ("t_end", "skip")}
+    times = {name: run_options.pop(name) for name in ("t_end", "skip")}
     times = {name: options.read_duration(name, text) for name, text in times.items() if text}
-    asked: Record = {"record": tuple(record.split(",")), **times, "path": path}
+    request: Record = {"record": tuple(record.split(",")), **times, "path": path}
     if status:
         options.refuse((path is None, "--status tells about the file of -o; name it"))
-        about = symosc.sweep_status(problem, over, **asked)
-        share = about.done / about.total
-        if about.written:
+        progress = symosc.sweep_status(problem, over, **request)
+        share = progress.done / progress.total
+        if progress.written:
             end = "written"
         else:
             end = "not yet written"
-        line = f"{about.path}: {about.done:,} of {about.total:,} motions ({share:.1%}), {end}"
-        output.report(about._asdict, lambda: output.write(line))
+        line = (
+            f"{progress.path}: {progress.done:,} of {progress.total:,} motions ({share:.1%}), {end}"
+        )
+        output.report(progress._asdict, lambda: output.write(line))
         return
-    dataset = _swept(problem, over, asked, **how)
+    dataset = _swept(problem, over, request, **run_options)
     output.draw(plot, lambda: dataset.symosc.plot())
     sizes = {str(name): size for name, size in dataset.sizes.items()}
-    found = {str(name): _summary(column) for name, column in dataset.items()}
-    data: Record = {"output": path, "sizes": sizes, "columns": found}
+    summaries = {str(name): _summary(column) for name, column in dataset.items()}
+    data: Record = {"output": path, "sizes": sizes, "columns": summaries}
     data |= {str(name): value for name, value in dataset.attrs.items()}
-    output.report(lambda: data, lambda: _print_dataset(dataset["status"], found, path, plot))
+    output.report(lambda: data, lambda: _print_dataset(dataset["status"], summaries, path, plot))
 
 
 def _swept(
-    problem: Any, over: dict[str, str], asked: Record, workers: Any, executor: Any, restart: bool
+    problem: Any, over: dict[str, str], request: Record, workers: Any, executor: Any, restart: bool
 ) -> Any:
     """Return the results of a sweep over the axes `over`.
 
@@ -121,17 +123,17 @@ def _swept(
             raise click.BadParameter(reason, param_hint="--executor")
         executor = dask_client(address)
     try:
-        how: Record = {
+        run_options: Record = {
             "workers": workers,
             "executor": executor,
             "resume": not restart,
             "progress": True,
         }
-        return symosc.sweep(problem, over, **asked, **how)
+        return symosc.sweep(problem, over, **request, **run_options)
     except KeyboardInterrupt:
-        if asked["path"] is not None:
-            about = symosc.sweep_status(problem, over, **asked)
-            kept = f"{about.done:,} of {about.total:,} motions are kept"
+        if request["path"] is not None:
+            progress = symosc.sweep_status(problem, over, **request)
+            kept = f"{progress.done:,} of {progress.total:,} motions are kept"
             output.complain(f"interrupted: {kept}; the same command goes on")
         raise
     finally:
@@ -149,14 +151,14 @@ def _summary(column: xarray.DataArray) -> Record:
 def _print_dataset(status: xarray.DataArray, columns: Record, *files: Text) -> None:
     sizes = " × ".join(f"{name} ({size})" for name, size in status.sizes.items())
     output.write(f"{sizes}: {status.size:,} motions")
-    for name, found in columns.items():
-        if "least" in found and "largest" in found:
-            output.write(f"{name}: from {found['least']:.6g} to {found['largest']:.6g}")
+    for name, summary in columns.items():
+        if "least" in summary and "largest" in summary:
+            output.write(f"{name}: from {summary['least']:.6g} to {summary['largest']:.6g}")
             continue
         shown = [
             f"{value or 'no event'} {count / status.size:.1%}"
-            for value, count in list(found.items())[:8]
+            for value, count in list(summary.items())[:8]
         ]
-        more = len(found) - len(shown)
+        more = len(summary) - len(shown)
         output.write(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
     output.name_files(*files)

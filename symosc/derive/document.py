@@ -137,7 +137,7 @@ def check(key: str, title: str, items: list[Any], progress: Progress | None = No
     parts = list[Part]()
     for item in items:
         checked = list[tuple[Step, StepEvidence]]()
-        place = ""
+        place = ""  # the item's number in the document, such as 4.2
         label = ""
         for step in steps_of(item):
             done += 1
@@ -147,10 +147,18 @@ def check(key: str, title: str, items: list[Any], progress: Progress | None = No
                 raise StepError(f"{key}, step {done}: {error.statement}", error.reason) from None
             if progress:
                 progress(key, done, total)
-        if checked and (loose := untied(sentence_of(item), getattr(item, "facts", ()))):
-            raise StepError(f"{key}: {sentence_of(item)}", f"no step has the number {loose[0]}")
-        numbered = isinstance(item, Markup) and item.command == "begin" and item.name != "proof"
-        if kind := "thm" if numbered else COUNTED.get(type(item)):
+        if checked:
+            loose_numbers = untied(sentence_of(item), getattr(item, "facts", ()))
+            if loose_numbers:
+                raise StepError(
+                    f"{key}: {sentence_of(item)}", f"no step has the number {loose_numbers[0]}"
+                )
+        is_theorem = isinstance(item, Markup) and item.command == "begin" and item.name != "proof"
+        if is_theorem:
+            kind: str | None = "thm"
+        else:
+            kind = COUNTED.get(type(item))
+        if kind is not None:
             counts[kind] += 1
             if number:
                 place = f"{number}.{counts[kind]}"
@@ -179,9 +187,10 @@ _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 def numbers_in(text: str) -> Iterator[re.Match[str]]:
     """Yield the numbers in the formulas of a text, without those in names such as $P_{32}$."""
-    blank = _NAME.sub(lambda name: " " * len(name[0]), text)
-    for math in _FORMULA.finditer(blank):
-        yield from _NUMBER.finditer(blank, *math.span())
+    # Names give way to blanks of their length, so that all places stay as they are in `text`.
+    nameless = _NAME.sub(lambda name: " " * len(name[0]), text)
+    for math in _FORMULA.finditer(nameless):
+        yield from _NUMBER.finditer(nameless, *math.span())
 
 
 def sentence_of(item: Any) -> str:
@@ -194,13 +203,13 @@ def sentence_of(item: Any) -> str:
 
 def untied(text: str, statements: Iterable[Step]) -> list[str]:
     """Return the numbers in a text's formulas that are in none of the statements that belong to it."""
-    known = {
+    checked_numbers = {
         Fraction(number[0])
         for statement in statements
         for side in (statement.left, statement.right)
         for number in numbers_in(f"${latex(side, statement.decimals)}$")
     }
-    return [number[0] for number in numbers_in(text) if Fraction(number[0]) not in known]
+    return [number[0] for number in numbers_in(text) if Fraction(number[0]) not in checked_numbers]
 
 
 # --- numbers and references: LaTeX counts for itself, HTML takes the numbers from here ---
@@ -222,10 +231,8 @@ def _chapter_number(key: str) -> int:
 
 
 def numbers_of(chapters: Iterable[Checked]) -> dict[str, str]:
-    """Return the numbers of all labels in the given chapters by label, such as {"eq:motion-newton":
-    "1.2"}.
-
-    }.
+    """Return the numbers of all labels in the given chapters, by label: "1.2" for
+    "eq:motion-newton".
     """
     numbers = {}
     for chapter in chapters:
@@ -307,7 +314,10 @@ def align(display: list[Part], scope: Scope, end: Callable[[Part], str]) -> str:
     """
     body = []
     for part, (*above, last) in _rows(display, scope):
-        if note := part.item.note:
+        note = part.item.note
+        if note:
+            # Beside the formula if there is room, else on a row of its own. Text is narrower than
+            # formulas: a letter has 0.7 of a digit's width.
             letters = len(re.sub(r"\\[a-zA-Z]+|\\.|[{}$^_ ]", "", note)) + 2 * note.count(" ")
             if width(last) + 0.7 * letters < LINE_WIDTH - 4:
                 last += rf" \quad\text{{{note}}}"
@@ -332,10 +342,12 @@ def as_latex(chapter: Checked, scope: Scope, numbers: dict[str, str] | None = No
     out = [HEADER + rf"\section{{{chapter.title}}}" + rf"\label{{sec:{chapter.key}}}"]
     for part in chapter.displays():
         piece = _piece_latex(part, scope)
-        goes_on = piece.startswith((r"\begin{align}", r"\end{")) and not out[-1].endswith(
-            r"\end{align}"
-        )
-        goes_on = goes_on or out[-1].splitlines()[-1].startswith(r"\begin{proof}")
+        # A blank line would begin a new paragraph: not before a display or the end of an
+        # environment, nor after the beginning of a proof.
+        before = out[-1]
+        ends_paragraph = piece.startswith((r"\begin{align}", r"\end{"))
+        goes_on = ends_paragraph and not before.endswith(r"\end{align}")
+        goes_on = goes_on or before.splitlines()[-1].startswith(r"\begin{proof}")
         out += ["\n" if goes_on else "\n\n", piece]
     return resolved("".join(out), numbers_of([chapter]) if numbers is None else numbers) + "\n"
 
@@ -487,7 +499,8 @@ def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int)
         caption = (
             f'<p id="tab-{number}"><strong>Table {number}.</strong> {html(item.caption)}{mark}</p>'
         )
-        return f"{caption}\n{_table(item.heads, [[cell(value, scope) for value in row] for row in item.rows], html)}"
+        rows = [[cell(value, scope) for value in row] for row in item.rows]
+        return f"{caption}\n{_table(item.heads, rows, html)}"
     source = b64encode(svg(item.key).encode()).decode()
     image = f'<img src="data:image/svg+xml;base64,{source}" alt="Figure {number}">'
     caption = f"<figcaption><strong>Figure {number}.</strong> {html(item.caption)}</figcaption>"
@@ -622,11 +635,12 @@ def make_pdf(main: Path) -> Path:
             log = (work / main.name).with_suffix(".log").read_text(encoding="latin-1")
             if result.returncode:
                 break
-        if complaints := complaints_of(log) or ["it failed"] * (result.returncode != 0):
-            raise SymoscError(
-                f"LaTeX: {complaints[0]}"
-                + f" and {len(complaints) - 1} more" * bool(complaints[1:])
-            )
+        complaints = complaints_of(log)
+        if result.returncode and not complaints:
+            complaints = ["it failed"]
+        if complaints:
+            more = f" and {len(complaints) - 1} more" * bool(complaints[1:])
+            raise SymoscError(f"LaTeX: {complaints[0]}{more}")
         return Path(shutil.copy((work / main.name).with_suffix(".pdf"), main.parent))
 
 

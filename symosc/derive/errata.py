@@ -164,11 +164,11 @@ def _unicode(text: str) -> str:
     return _TOKEN.sub(plain, text)
 
 
-def _script(place: str, script: str) -> str:
+def _script(sign: str, script: str) -> str:
     """Return an index or power in lowered or raised characters or, if Unicode lacks one, behind "_"
     or "^".
     """
-    if place == "^":
+    if sign == "^":
         table = _RAISED
     else:
         table = _LOWERED
@@ -179,5 +179,5 @@ def _script(place: str, script: str) -> str:
         return letters.translate(table)
     inside = _unicode(script)
     if len(inside) == 1:
-        return f"{place}{inside}"
-    return f"{place}({inside})"
+        return f"{sign}{inside}"
+    return f"{sign}({inside})"

@@ -56,9 +56,11 @@ def stick_exits(axes: Axes) -> None:
     p = by_name(scene.parameters, float)
     t = np.linspace(0, 1.25 * until, 200)
     x = float(scene.x0) + p["v2"] * t
-    shared = (p["A0"] + p["B0"] * np.cos(p["Omega"] * t) - p["k"] * x - p["c"] * p["v2"]) / p["m"]
-    below = shared + (p["mu2"] - p["mu1"]) * p["FN"] / p["m"]
-    above = shared - (p["mu1"] + p["mu2"]) * p["FN"] / p["m"]
+    without_friction = (
+        p["A0"] + p["B0"] * np.cos(p["Omega"] * t) - p["k"] * x - p["c"] * p["v2"]
+    ) / p["m"]
+    below = without_friction + (p["mu2"] - p["mu1"]) * p["FN"] / p["m"]
+    above = without_friction - (p["mu1"] + p["mu2"]) * p["FN"] / p["m"]
     axes.axvspan(0, until, color=LIGHT, linewidth=0)
     axes.plot(t, below, color=DARK, label=r"$F^{(2)}$, below the belt's speed")
     axes.plot(t, above, color=DARK, linestyle="--", label=r"$F^{(3)}$, above it")

@@ -118,9 +118,9 @@ def as_latex(
     else:
         tags = {}
     if prefix:
-        first = f"{prefix}:"
+        label_start = f"{prefix}:"
     else:
-        first = ""
+        label_start = ""
     command = [
         f"symosc derive {fragment.key}",
         *(f"--set {name}={show(value)}" for name, value in scope.values),
@@ -140,7 +140,7 @@ def as_latex(
             tag = rf"\tag{{{tags[part.item.label]}}} "
         else:
             tag = ""
-        return rf"{tag}\label{{{first}{part.label.removeprefix('eq:')}}}"
+        return rf"{tag}\label{{{label_start}{part.label.removeprefix('eq:')}}}"
 
     for part in fragment.displays():
         if isinstance(part, list):
@@ -317,12 +317,11 @@ def _saltation(scope: FragmentScope) -> Items:
 
 def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
     """Yield the window of each mapping whose parameters are all given as numbers in the scope."""
-    known = {name for name, _ in scope.values}
+    given = {name for name, _ in scope.values}
     for mapping, place in PLACES.items():
-        if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= known:
-            gamma, amplitude = (
-                e.xreplace(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m)
-            )
+        if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
+            gamma = (k * BELTS[place.boundary] / m).xreplace(scope.numbers)
+            amplitude = (B0 * Omega / m).xreplace(scope.numbers)
             phases = theorem7.window_phases(place, gamma, amplitude, False)
             check = grazing.window(place.side, gamma, amplitude)
             yield step(
@@ -362,7 +361,7 @@ def _motion(scope: FragmentScope) -> Items:
         )
     at_start, x_step, v_step, _ = domains.flow()
     solved = flat(domains.solved_functions(generic_basis()))
-    others = [item for item in solved if isinstance(item, Step) and item.left != E2]
+    rest_of_functions = [item for item in solved if isinstance(item, Step) and item.left != E2]
     resonance = regime.name == "resonance"
     return (
         "The motion is",
@@ -375,7 +374,7 @@ def _motion(scope: FragmentScope) -> Items:
             domains.basis_function(f, regime, label=f.name)
             for f in (BASIS if resonance else (E0, E1, E2))
         ],
-        () if resonance else ("and with", others),
+        () if resonance else ("and with", rest_of_functions),
     )
 
 
@@ -419,29 +418,28 @@ def _stick_map(label: str, scope: FragmentScope) -> Items:
     speed = BELTS[belt]
     plane = rf"\Sigma^{{0}}_{{({belt})}}"
     f1 = named("f_1")
-    at = {v: speed, x: maps.x_j, Omega * t: maps.theta_j}
-    ride = maps.stick_residual()["f1"].xreplace({v_i: speed})
+    at_end = {v: speed, x: maps.x_j, Omega * t: maps.theta_j}
+    f1_on_belt = maps.stick_residual()["f1"].xreplace({v_i: speed})
     exits = []
     for alpha in NEIGHBOURS[belt]:
         f2 = named(f"f_2^{{({alpha})}}")
         if alpha == belt:
-            way = "falls below"
+            change = "falls below"
         else:
-            way = "rises above"
+            change = "rises above"
         force = m * motion.acceleration(alpha)
+        by_newton = m * motion.newton(alpha)
         exits += [
             rf"and with $f_2 = f_2^{{({alpha})}}$ if the mass slips into $\Omega_{alpha}$, where "
-            rf"this {way} 0:",
-            equation(
-                f2, sp.expand(force.subs(at)), m * motion.newton(alpha).subs(at), f"f2-{alpha}"
-            ),
+            rf"this {change} 0:",
+            equation(f2, sp.expand(force.subs(at_end)), by_newton.subs(at_end), f"f2-{alpha}"),
         ]
     return (
         rf"The mapping $P_{label[1]}\colon {plane} \to {plane}$, the points with $\dot{{x}} = "
         rf"v_{belt}$ of motions on the belt, is a stick on belt {belt} from $(x_i, \theta_i)$ to "
         r"$(x_{i+1}, \theta_{i+1})$, with the phase $\theta = \Omega t$ modulo $2\pi$ and $\tau = "
         r"(\theta_{i+1} - \theta_i)/\Omega$. It solves $f_1 = f_2 = 0$ with",
-        equation(f1, ride, x_i + sp.integrate(speed, (tau, 0, tau)) - maps.x_j, "f1"),
+        equation(f1, f1_on_belt, x_i + sp.integrate(speed, (tau, 0, tau)) - maps.x_j, "f1"),
         exits,
         r"The first of the two ends counts.",
     )

@@ -75,9 +75,9 @@ def lines(statement: Step, decimals: bool = False, left_width: float | None = No
     )
     rows = [right]
     if isinstance(statement.right, sp.Expr) and width(right) > room:
-        first, *rest = _pieces(statement.right, decimals, room)
+        first, *later_pieces = _pieces(statement.right, decimals, room)
         rows = [first]
-        for piece in rest:
+        for piece in later_pieces:
             joined = f"{rows[-1]} {piece}"
             if width(joined) <= room:
                 rows[-1:] = [joined]
@@ -99,9 +99,11 @@ def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
             pieces.append(text)
             continue
         longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
-        rest = {"1": "", "- 1": "- "}.get(outside := latex(term / longest, decimals), outside)
-        if rest or pieces:
-            head = _signed(rest, not pieces)
+        factor_text = {"1": "", "- 1": "- "}.get(
+            outside := latex(term / longest, decimals), outside
+        )
+        if factor_text or pieces:
+            head = _signed(factor_text, not pieces)
         else:
             head = ""
         inner = _pieces(longest, decimals, room)

@@ -57,8 +57,8 @@ def words(text: str) -> str:
     html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in parts)
     # No line begins with the comma after a formula.
     html = re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
-    rest = iter(letters)
-    return re.sub(KEPT, lambda _: escape(next(rest), quote=False), html)
+    remaining_letters = iter(letters)
+    return re.sub(KEPT, lambda _: escape(next(remaining_letters), quote=False), html)
 
 
 def formula(latex: str, display: bool = False) -> str:

@@ -83,9 +83,9 @@ class Scope:
     @cached_property
     def boundaries(self) -> tuple[int, ...]:
         """The boundaries (belts) that occur."""
-        return tuple(
-            sorted({plane.boundary for label in self.maps for plane in MAPS[label][1:3]})
-        ) or (1, 2)
+        rows = [MAPS[label] for label in self.maps]
+        belts = {plane.boundary for row in rows for plane in (row.start, row.end)}
+        return tuple(sorted(belts)) or (1, 2)
 
     @cached_property
     def regimes(self) -> tuple[solution.Regime, ...]:
@@ -99,7 +99,7 @@ class Scope:
         """
         numbers = {LETTERS[name]: rational(value) for name, value in self.values}
         if self.scene:
-            derived = list(PAPER_LETTERS)[:3]
+            derived = [solution.cm, solution.w0sq, solution.f0]
         else:
             derived = []
         return numbers | {name: PAPER_LETTERS[name].xreplace(numbers) for name in derived}
@@ -143,6 +143,7 @@ class FragmentScope(Scope):
         """Return an expression as printed: with the letters in `instances` and numbers put in,
         rounded to `digits`.
         """
+        # Twice: the paper's letters may bring in letters that have an instance.
         expr = (
             sp.sympify(expr)
             .xreplace(self.instances)
@@ -217,8 +218,8 @@ def fragment_scope(
         second_speed = {"v1": speeds["v2"] - 1}
     else:
         second_speed = {}
-    checked = base.replace(**{**second_speed, **settings})
+    complete = base.replace(**{**second_speed, **settings})
     values = tuple(
-        (name, value) for name, value in by_name(checked).items() if scene or name in settings
+        (name, value) for name, value in by_name(complete).items() if scene or name in settings
     )
     return FragmentScope(None, values, form, digits)

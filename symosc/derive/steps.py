@@ -166,17 +166,17 @@ def flat(parts: Items) -> list[Any]:
     items: list[Any] = []
     for part in parts:
         if isinstance(part, str):
-            place = 0
+            end_of_last = 0
             for mark in _MARKUP.finditer(part):
-                items.append(Prose(part[place : mark.start()].strip()))
+                items.append(Prose(part[end_of_last : mark.start()].strip()))
                 begin, kind, title, label, end, ended, subsection, heading = (
                     group or "" for group in mark.groups()
                 )
                 items.append(
                     Markup(begin or end or subsection, kind or ended or heading, title, label)
                 )
-                place = mark.end()
-            items.append(Prose(part[place:].strip()))
+                end_of_last = mark.end()
+            items.append(Prose(part[end_of_last:].strip()))
         elif isinstance(part, Prose):
             last = max(i for i, item in enumerate(items) if isinstance(item, Prose) and item.text)
             items[last] = Prose(items[last].text, part.facts)
@@ -256,7 +256,7 @@ def solves(
     # Only one function does this, so every sign is checked. `meaning` is as for `exact`.
 
     def check(statement: Step) -> StepEvidence:
-        # in the functions that are the same in all regimes
+        # Whether it is written in the basis functions, which are the same in all regimes.
         general = statement.right.has(*solution.BASIS)
 
         def differentiate(expr: sp.Expr) -> sp.Expr:
@@ -381,11 +381,11 @@ def _within(statement: Step, off: Any, tolerance: Any) -> StepEvidence:
 def resolve(expr: Expr, meaning: Meaning | None) -> Expr:
     """Replace names in an expression by their meanings until no such name is left."""
     expr = sp.sympify(expr)
-    known = {name: sp.sympify(value) for name, value in (meaning or {}).items()}
+    meanings = {name: sp.sympify(value) for name, value in (meaning or {}).items()}
     for _ in range(10):  # a meaning in its own terms would go on for ever
-        if expr.free_symbols.isdisjoint(known):
+        if expr.free_symbols.isdisjoint(meanings):
             break
-        expr = expr.xreplace(known)
+        expr = expr.xreplace(meanings)
         if expr.has(sp.Derivative):
             expr = expr.doit(deep=False)
     return expr
@@ -466,15 +466,19 @@ def _motion_sample() -> dict[Expr, Expr]:
     """Return numbers for the basis functions and the letters that they depend on, all from one
     motion.
     """
+    # The letters of `generic_basis`, and any rational numbers: nothing holds by accident.
     mean = sp.Symbol("r", positive=True)
     half = sp.Symbol("q", positive=True)
     letters = {mean: 37, half: 23, solution.tau: 11, solution.Omega: 29, solution.m: 17}
-    known = {letter: sp.Rational(value, 19) for letter, value in letters.items()}
-    values = {name: sp.N(value.subs(known), 60) for name, value in generic_basis().items()}
-    rates = generic_basis()[solution.cm].subs(known), generic_basis()[solution.w0sq].subs(known)
+    numbers = {letter: sp.Rational(value, 19) for letter, value in letters.items()}
+    values = {name: sp.N(value.subs(numbers), 60) for name, value in generic_basis().items()}
+    rates = generic_basis()[solution.cm].subs(numbers), generic_basis()[solution.w0sq].subs(numbers)
     values |= {solution.cm: rates[0], solution.w0sq: rates[1]}
-    values |= {solution.c: rates[0] * known[solution.m], solution.k: rates[1] * known[solution.m]}
-    return values | {name: known[name] for name in (solution.tau, solution.Omega, solution.m)}
+    values |= {
+        solution.c: rates[0] * numbers[solution.m],
+        solution.k: rates[1] * numbers[solution.m],
+    }
+    return values | {name: numbers[name] for name in (solution.tau, solution.Omega, solution.m)}
 
 
 def _sampled(expr: Expr) -> Expr:

@@ -160,10 +160,10 @@ def read_claims(
                 where, checks, table.pop("check", f"{part}.{name.replace('-', '_')}")
             )
             derivation = next(iter(chapters), None)
-            said = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
-            said |= {key: one_line(value) for key, value in table.items()}
-            one_of(where, "verdict", said["verdict"], VERDICTS)
-            if not ("correction" in table) == bool(errata) == (said["verdict"] in FAULTY):
+            texts = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
+            texts |= {key: one_line(value) for key, value in table.items()}
+            one_of(where, "verdict", texts["verdict"], VERDICTS)
+            if not ("correction" in table) == bool(errata) == (texts["verdict"] in FAULTY):
                 faulty = " or ".join(map(repr, FAULTY))
                 raise RecordsError(
                     where,
@@ -176,7 +176,7 @@ def read_claims(
                 figures=figures,
                 derivation=derivation,
                 errata=errata,
-                **said,
+                **texts,
             )
     return tuple(claims.values()), tuple(unjudged)
 
@@ -186,8 +186,8 @@ def _check_texts(where: str, table: dict[str, Any]) -> None:
     is not text.
     """
     if not set(REQUIRED) <= set(table) <= {*REQUIRED, *OPTIONAL}:
-        said = f"must have {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)}"
-        raise RecordsError(where, f"has {', '.join(table)}; {said}")
+        rule = f"must have {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)}"
+        raise RecordsError(where, f"has {', '.join(table)}; {rule}")
     for key, value in table.items():
         if key == "see":
             texts = value
@@ -268,9 +268,9 @@ def items_of(source: str) -> list[str]:
     (32) to (34)" names.
     """
     if "Abstract" in source:
-        found = ["Abstract"]
+        labels = ["Abstract"]
     else:
-        found = []
+        labels = []
     source = _PLACE.sub("", source)
     for name, (pattern, *_) in KINDS.items():
         for numbers in re.finditer(rf"\b{pattern}((?:{_NUMBER})+)", source):
@@ -281,5 +281,5 @@ def items_of(source: str) -> list[str]:
                 else:
                     first = int(digits)
                 last = int(digits)
-                found += [_label(name, number) for number in range(first, last + 1)]
-    return list(dict.fromkeys(found))
+                labels += [_label(name, number) for number in range(first, last + 1)]
+    return list(dict.fromkeys(labels))

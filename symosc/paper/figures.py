@@ -49,16 +49,19 @@ def fig1() -> Figure:
     for low in np.linspace(-1.1, 0.8, 7):
         ax.plot([-0.35, 0.0], [low, low + 0.3], color="black", lw=THIN)
     # The spring at height 0.45, in six turns, from the wall to the mass.
+    mass_left = 4.7
+    height = 0.45
     x = np.linspace(0.6, 4.1, 25)
-    y = 0.45 + 0.24 * np.sin(np.arange(25) * np.pi / 2)
-    x = np.concatenate([[0.0], x, [4.7]])
-    y = np.concatenate([[0.45], y, [0.45]])
+    y = height + 0.24 * np.sin(np.arange(25) * np.pi / 2)
+    x = np.concatenate([[0.0], x, [mass_left]])
+    y = np.concatenate([[height], y, [height]])
     ax.plot(x, y, color="black", lw=LINE, solid_joinstyle="round")
     ax.text(1.3, 0.85, "$k$", ha="center", va="bottom")
     # The damper at height -0.45: rod, pot, piston, rod.
-    y0 = -0.45
+    y0 = -height
     left = 1.35
     right = 2.35
+    piston = 1.95
     half = 0.24
     ax.plot([0.0, left], [y0, y0], color="black", lw=LINE)
     ax.plot(
@@ -67,11 +70,11 @@ def fig1() -> Figure:
         color="black",
         lw=LINE,
     )
-    ax.plot([1.95, 1.95], [y0 - 0.17, y0 + 0.17], color="black", lw=1.6 * LINE)
-    ax.plot([1.95, 4.7], [y0, y0], color="black", lw=LINE)
+    ax.plot([piston, piston], [y0 - 0.17, y0 + 0.17], color="black", lw=1.6 * LINE)
+    ax.plot([piston, mass_left], [y0, y0], color="black", lw=LINE)
     ax.text(1.3, -0.8, "$c$", ha="center", va="top")
     mass = Rectangle(
-        (4.7, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3
+        (mass_left, -0.9), 2.0, 1.8, facecolor="#f3d9d6", edgecolor=MASS_COLOR, lw=LINE, zorder=3
     )
     ax.add_patch(mass)
     ax.text(5.7, 0.0, "$m$", **CENTER, fontsize=11, zorder=4)
@@ -327,14 +330,14 @@ def fig4() -> Figure:
             "mutation_scale": 9,
         }
         ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
-        across, up, dx, dy = MAPPINGS[label][2]
-        if returns:
-            at = int(np.argmax(np.abs(v - v[0])))
+        _, _, (across, up, dx, dy) = MAPPINGS[label]
+        if returns:  # at the farthest point from the belt
+            named = int(np.argmax(np.abs(v - v[0])))
         else:
-            at = count // 2
+            named = count // 2
         ax.annotate(
             f"$P_{label[1:]}$",
-            (x[at], v[at]),
+            (x[named], v[named]),
             (dx, dy),
             textcoords="offset points",
             ha=across,

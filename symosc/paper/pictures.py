@@ -404,8 +404,8 @@ def largest_velocity(view: View) -> tuple[float, float]:
     guess = view.t[np.argmax(view.v)]
     step = 2 * pi / float(view.trajectory.parameters.Omega) / 60
     bounds = max(guess - step, view.t[0]), min(guess + step, view.t[-1])
-    found = minimize_scalar(lambda t: -view.trajectory(t)[1], bounds=bounds, method="bounded")
-    return float(found.x), -float(found.fun)
+    peak = minimize_scalar(lambda t: -view.trajectory(t)[1], bounds=bounds, method="bounded")
+    return float(peak.x), -float(peak.fun)
 
 
 def grazing_P2_caption(name: str) -> str:
@@ -417,14 +417,14 @@ def grazing_P2_caption(name: str) -> str:
     contacts = _in_order(view_of(view.trajectory, view.boundary))
     if contacts:
         shift = number(float((printed.A0 - p.A0) / p.k))
-        what = (
+        opening = (
             f"With A0 = {show(p.A0)} instead of {show(printed.A0)}. "
             f"{_contact_text(view, contacts[0])} (The same "
             f"motion, moved by {shift} in x, has A0 = {show(printed.A0)}.) {STAR}"
         )
     else:
         t, v = largest_velocity(view)
-        what = (
+        opening = (
             f"As printed, with A0 = {show(p.A0)}: in {SEVERAL_PERIODS:g} periods the mass does "
             "not reach belt 1 and "
             f"nothing grazes; its largest velocity is {number(v)} at t = {number(t)}, below v1 = "
@@ -432,7 +432,7 @@ def grazing_P2_caption(name: str) -> str:
         )
     x, v = view.trajectory(t0 + T) - view.trajectory(t0)
     return (
-        f"{what} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at "
+        f"{opening} (a) Displacement of the mass (red) and of the points of belt 1 that it meets at "
         "the marks (black), "
         "(b) velocity, (c) velocity for several periods (dotted lines: one period apart), (d) "
         "phase plane. Circle and "

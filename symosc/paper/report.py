@@ -79,14 +79,14 @@ def data(results: Results) -> dict[str, Any]:
         "counts": results.counts,
         "errata": [asdict(e) | {"claims": results.shown_by(e)} for e in plan.errata],
         "unjudged": [part._asdict() for part in plan.unjudged or ()],
-        "changed": [each.claim.id for each in results.changed],
+        "changed": [judged.claim.id for judged in results.changed],
         "failures": results.failures,
         "made": {"seconds": round(results.seconds, 1), **machine()},
         "claims": [
-            {name: value for name, value in each.claim._asdict().items() if name != "check"}
-            | {name: getattr(each, name) for name in ("verdict", "finding", "numbers")}
-            | {"committed": each.claim.verdict, "seconds": round(each.seconds, 3)}
-            for each in results.judged
+            {name: value for name, value in judged.claim._asdict().items() if name != "check"}
+            | {name: getattr(judged, name) for name in ("verdict", "finding", "numbers")}
+            | {"committed": judged.claim.verdict, "seconds": round(judged.seconds, 3)}
+            for judged in results.judged
         ],
         "figures": [
             {name: getattr(picture, name) for name in ("key", "title", "alt", "paper_figure")}

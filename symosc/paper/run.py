@@ -121,15 +121,15 @@ class Results:
     def shown_by(self, erratum: Erratum) -> list[str]:
         """Return the ids of the claims that show an erratum in this run."""
         return [
-            each.claim.id
-            for each in self.judged
-            if erratum.id in each.claim.errata and each.verdict in FAULTY
+            result.claim.id
+            for result in self.judged
+            if erratum.id in result.claim.errata and result.verdict in FAULTY
         ]
 
     @property
     def counts(self) -> dict[str, int]:
         """How many claims got each verdict."""
-        verdicts = [each.verdict for each in self.judged]
+        verdicts = [result.verdict for result in self.judged]
         if ERROR in verdicts:
             names: tuple[str, ...] = (*VERDICTS, ERROR)
         else:
@@ -139,7 +139,7 @@ class Results:
     @property
     def changed(self) -> list[Judged]:
         """Claims with a verdict that differs from the one in claims.toml."""
-        return [each for each in self.judged if each.verdict != each.claim.verdict]
+        return [result for result in self.judged if result.verdict != result.claim.verdict]
 
     @property
     def failures(self) -> dict[str, str]:
@@ -169,24 +169,20 @@ def run(
     tasks |= {("claim", claim.id): partial(judge, claim.check) for claim in reversed(plan.claims)}
     tasks |= {("picture", key): partial(draw, picture) for key, picture in plan.pictures.items()}
     done: dict[tuple[str, str], Done] = {}
-    here = ((key, timed(task)) for key, task in tasks.items())
-    with closing(here if workers == 0 else _in_processes(tasks, workers)) as outcomes:
+    in_this_process = ((key, timed(task)) for key, task in tasks.items())
+    with closing(in_this_process if workers == 0 else _in_processes(tasks, workers)) as outcomes:
         for key, outcome in outcomes:
             done[key] = outcome
             if progress:
                 progress()
     judged = []
     for claim in plan.claims:
-        found, error, seconds = done["claim", claim.id]
+        evidence, error, seconds = done["claim", claim.id]
         if error:
-            verdict = ERROR
-            finding = error
-            numbers = {}
+            result = Judged(claim, ERROR, error, {}, seconds)
         else:
-            verdict = found.verdict
-            finding = found.finding
-            numbers = found.numbers
-        judged.append(Judged(claim, verdict, finding, numbers, seconds))
+            result = Judged(claim, evidence.verdict, evidence.finding, evidence.numbers, seconds)
+        judged.append(result)
     drawn = {key: done["picture", key] for key in plan.pictures}
     chapters = {subject: done["chapter", subject] for subject in plan.chapters}
     return Results(plan, tuple(judged), drawn, chapters, perf_counter() - begin)
@@ -216,7 +212,7 @@ def _in_processes(
                 except ProcessExpired as death:
                     outcome = Done(error=f"the process ended with exit code {death.exitcode}")
                 except BrokenProcessPool:
-                    continue
+                    continue  # the task stays in `tasks`, for the next pool
                 yield futures[future], outcome
                 tasks = {key: task for key, task in tasks.items() if key != futures[future]}
         finally:

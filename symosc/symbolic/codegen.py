@@ -153,7 +153,7 @@ def kernels() -> list[Kernel]:
     return [first, _basis_apart(), _repeated_apart(), *others]
 
 
-def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -> Kernel:
+def _kernel(head: str, doc: str, steps: dict[str, Expr], own_arguments: dict[str, Expr]) -> Kernel:
     """Make a kernel from `head`, "NAME ARGUMENT ...", that returns all `steps`.
 
     `own` has arguments not in MEANING.
@@ -162,7 +162,7 @@ def _kernel(head: str, doc: str, steps: dict[str, Expr], own: dict[str, Expr]) -
     return Kernel(
         name,
         doc,
-        {argument: (MEANING | own)[argument] for argument in arguments},
+        {argument: (MEANING | own_arguments)[argument] for argument in arguments},
         steps,
         tuple(steps),
     )
@@ -252,9 +252,13 @@ def check() -> str:
         committed = PATH.read_text(encoding="utf-8")
     else:
         committed = ""
-    old, new = (text.splitlines(keepends=True) for text in (committed, generate()))
+    committed_lines, generated_lines = (
+        text.splitlines(keepends=True) for text in (committed, generate())
+    )
     return "".join(
-        difflib.unified_diff(old, new, f"{PATH.name} (committed)", f"{PATH.name} (generated)")
+        difflib.unified_diff(
+            committed_lines, generated_lines, f"{PATH.name} (committed)", f"{PATH.name} (generated)"
+        )
     )
 
 
@@ -271,9 +275,11 @@ def function_source(kernel: Kernel) -> str:
     else:
         lines = [*lines, ("return ", ", ".join(kernel.returns))]
     arguments = ", ".join(kernel.arguments)
-    head = _wrapped(f"def {kernel.name}({arguments})", f"def {kernel.name}", arguments, "") + ":"
+    signature = (
+        _wrapped(f"def {kernel.name}({arguments})", f"def {kernel.name}", arguments, "") + ":"
+    )
     body = [_wrapped(f"    {start}{text}", f"    {start}", text, "    ") for start, text in lines]
-    return "\n".join([head, f'    """{kernel.doc}"""', *body, ""])
+    return "\n".join([signature, f'    """{kernel.doc}"""', *body, ""])
 
 
 def _wrapped(line: str, start: str, text: str, indent: str) -> str:
@@ -357,8 +363,8 @@ class ArithmeticPrinter:
             return str(expr)
         if _is_negative(expr):
             return f"-{self.text(-expr)}"
-        above = list[Expr]()
-        below = list[Expr]()
+        numerators = list[Expr]()
+        denominators = list[Expr]()
         for factor in sp.Mul.make_args(expr):
             if factor.is_Rational:
                 base = factor
@@ -366,21 +372,21 @@ class ArithmeticPrinter:
             else:
                 base, power = factor.as_base_exp()
             if base.is_Rational:
-                above += [sp.Integer(base.p)] * (base.p != 1)
-                below += [sp.Integer(base.q)] * (base.q != 1)
+                numerators += [sp.Integer(base.p)] * (base.p != 1)
+                denominators += [sp.Integer(base.q)] * (base.q != 1)
             elif power.is_Integer and (base.is_Symbol or (base.is_Add and abs(power) == 1)):
-                (above if power > 0 else below).extend([base] * abs(int(power)))
+                (numerators if power > 0 else denominators).extend([base] * abs(int(power)))
             else:
                 raise ValueError(
                     f"{factor} is no arithmetic of names: make it an argument or a step"
                 )
-        if below and all(factor.is_Integer for factor in above + below):
+        if denominators and all(factor.is_Integer for factor in numerators + denominators):
             raise ValueError(f"{expr} would be rounded to a float")
-        numerator = self._product(above)
-        denominator = self._product(below)
-        if len(below) > 1:
+        numerator = self._product(numerators)
+        denominator = self._product(denominators)
+        if len(denominators) > 1:
             denominator = f"({denominator})"
-        if below:
+        if denominators:
             return f"{numerator} / {denominator}"
         return numerator
 

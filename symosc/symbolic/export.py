@@ -181,11 +181,12 @@ class _Program(NamedTuple):
         """Return each map's function name, its arguments, and those of its Jacobian."""
         calls = []
         for n, label in enumerate(self.maps):
+            # Map n leads from point n to point n + 1 of z, two numbers each.
             names = ("x_i", "theta_i", "x_j", "theta_j")
             z = {name: f"z[{2 * n + i}]" for i, name in enumerate(names)}
-            slopes = self.functions[label + MATRIX].args.args
-            few = [z[argument.arg] for argument in slopes if argument.arg != "K"]
-            calls.append((label, ", ".join([*z.values(), "K"]), ", ".join([*few, "K"])))
+            parameters = self.functions[label + MATRIX].args.args
+            used = [z[parameter.arg] for parameter in parameters if parameter.arg != "K"]
+            calls.append((label, ", ".join([*z.values(), "K"]), ", ".join([*used, "K"])))
         return calls
 
     def about(self, mark: str, run: str) -> str:
@@ -237,7 +238,11 @@ def _program(word: Word, arrays: bool) -> _Program:
     maps: list[str] = []
     wanted: list[str] = []
     for row, exit in zip(word.maps, word.exits(), strict=True):
-        for side in [exit] if exit or not row.sticks else ["below", "above"]:
+        if row.sticks and exit is None:  # the word does not say: both
+            exits: list[str | None] = ["below", "above"]
+        else:
+            exits = [exit]
+        for side in exits:
             label, source = _map_source(row, side, arrays)
             wanted += [label, label + MATRIX]
             sources.append(source)
@@ -277,6 +282,7 @@ def _program(word: Word, arrays: bool) -> _Program:
     _check_complete(functions, {*numbers, *LIBRARY}, used - set(fields))
     needed = set(fields)
     kept = list[ast.Assign]()
+    # Backwards: a step is needed by those after it.
     for name, step in reversed(setup.items()):
         if name in needed:
             kept.insert(0, step)
@@ -285,7 +291,7 @@ def _program(word: Word, arrays: bool) -> _Program:
 
 
 def _check_complete(
-    functions: dict[str, ast.FunctionDef], known: set[str], constants: set[str]
+    functions: dict[str, ast.FunctionDef], predefined: set[str], constants: set[str]
 ) -> None:
     """Raise ValueError if functions use names or constants that the program does not define."""
     # A name that a kernel module renames would else be missing in the exported program only.
@@ -294,7 +300,7 @@ def _check_complete(
         variables = [leaf for leaf in ast.walk(node) if isinstance(leaf, ast.Name)]
         local = {leaf.id for leaf in variables if isinstance(leaf.ctx, ast.Store)}
         local |= {leaf.arg for leaf in ast.walk(node) if isinstance(leaf, ast.arg)}
-        missing |= {leaf.id for leaf in variables} - local - known - set(functions)
+        missing |= {leaf.id for leaf in variables} - local - predefined - set(functions)
     if missing:
         names = ", ".join(sorted(missing))
         raise ValueError(f"The exported program would not define {names}, which the kernels use.")
@@ -306,23 +312,25 @@ def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
     `exit` of a stick: "below" or "above".
     """
     # For arrays, the arguments are flattened and broadcast to one length, and results get the
-    # arguments' shape back.
-    begin = f"K.v{row.start.boundary}"
-    end = f"K.v{row.end.boundary}"
+    # arguments' shape back: "{0}" in `flattened` is their list.
+    start_speed = f"K.v{row.start.boundary}"
+    end_speed = f"K.v{row.end.boundary}"
     if row.sticks:
         domain = NEIGHBOURS[row.start.boundary][exit == "above"]
         label = f"{row.label}_{exit}"
-        what = f"stick on belt {row.start.boundary}, slips into domain {domain}"
-        residual = f"stick(x_i, theta_i, x_j, theta_j, {begin}, K.A{domain}, K)"
-        lines = f"x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, {begin}, K)"
+        description = f"stick on belt {row.start.boundary}, slips into domain {domain}"
+        residual = f"stick(x_i, theta_i, x_j, theta_j, {start_speed}, K.A{domain}, K)"
+        slope_line = f"x_th0, x_th1, v_x1, v_th1 = stick_slopes(theta_j, {start_speed}, K)"
         entries = "1.0, x_th0, -1.0, x_th1, 0.0, 0.0, v_x1, v_th1"
         arguments = "theta_j"
     else:
         label = row.label
-        what = f"domain {row.domain}, from v{row.start.boundary} to v{row.end.boundary}"
-        residual = f"flight(x_i, theta_i, x_j, theta_j, {begin}, {end}, K.A{row.domain}, K)"
-        slopes = f"flight_slopes(x_i, theta_i, theta_j, {begin}, K.A{row.domain}, K)"
-        lines = f"x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = {slopes}"
+        description = f"domain {row.domain}, from v{row.start.boundary} to v{row.end.boundary}"
+        residual = (
+            f"flight(x_i, theta_i, x_j, theta_j, {start_speed}, {end_speed}, K.A{row.domain}, K)"
+        )
+        slopes = f"flight_slopes(x_i, theta_i, theta_j, {start_speed}, K.A{row.domain}, K)"
+        slope_line = f"x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = {slopes}"
         entries = "x_x0, x_th0, -1.0, x_th1, v_x0, v_th0, 0.0, v_th1"
         arguments = "x_i, theta_i, theta_j"
     flattened = ""
@@ -332,12 +340,12 @@ def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
         flattened = "[{0}], shape = flat({0})\n    "
     source = f'''
 def {label}(x_i, theta_i, x_j, theta_j, K):
-    """Return f1, f2 of {row.label}: {what}."""
+    """Return f1, f2 of {row.label}: {description}."""
     {flattened.format("x_i, theta_i, x_j, theta_j")}return {residual}
 
 def {label}{MATRIX}({arguments}, K):
     """Return the derivatives of f1, then of f2, by x_i, theta_i, x_j, theta_j."""
-    {flattened.format(arguments)}{lines}
+    {flattened.format(arguments)}{slope_line}
     return {entries}
 '''
     return label, source
@@ -355,8 +363,8 @@ def _bare(node: ast.FunctionDef) -> ast.FunctionDef:
         argument.annotation = None
     node.returns = None
     node.decorator_list = []
-    what = re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", _first_paragraph(node))
-    node.body[0] = ast.Expr(ast.Constant(what))
+    summary = re.sub(r"[;,] see `[^`]*`| \(`[^`]*`\)|`", "", _first_paragraph(node))
+    node.body[0] = ast.Expr(ast.Constant(summary))
     return ast.fix_missing_locations(node)
 
 
@@ -484,10 +492,10 @@ class _C(ast.NodeTransformer):
         body = list(self.block(node.body))
         if body[-1] == "return;":
             body.pop()
-        what = _first_paragraph(node)
-        lines = [f" * {line}" for line in textwrap.wrap(what, EXPORT_WIDTH - 3)]
+        summary = _first_paragraph(node)
+        lines = [f" * {line}" for line in textwrap.wrap(summary, EXPORT_WIDTH - 3)]
         if len(lines) == 1:
-            lines = [f"/* {what} */"]
+            lines = [f"/* {summary} */"]
         else:
             lines = ["/*", *lines, " */"]
         lines += [f"{'' if _is_map(node.name) else 'static '}{self.head(node)}", "{"]
@@ -623,7 +631,7 @@ def _python(program: _Program) -> str:
     rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
     blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
     if program.arrays:
-        whats = [f": shape {shape} and that of the numbers in z" for shape in shapes]
+        shape_notes = [f": shape {shape} and that of the numbers in z" for shape in shapes]
         frame = (
             "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return "
             "np.array(rows).reshape(({}, *shape))"
@@ -633,15 +641,15 @@ def _python(program: _Program) -> str:
             for body, shape in zip((rows, blocks), shapes, strict=True)
         ]
     else:
-        whats = ["", ""]
+        shape_notes = ["", ""]
         last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
         bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
     first = "f1, f2 of each map"
     second = f"the {'' if program.arrays else '2 x 4 '}derivatives of f1, f2 of each map"
     parts += [
         *map(ast.unparse, program.functions.values()),
-        f'def residual(z, K):\n    """Return {first}, in order of time{whats[0]}."""\n{bodies[0]}',
-        f'def jacobian(z, K):\n    """Return {second}, in order of time{whats[1]}."""\n{bodies[1]}',
+        f'def residual(z, K):\n    """Return {first}, in order of time{shape_notes[0]}."""\n{bodies[0]}',
+        f'def jacobian(z, K):\n    """Return {second}, in order of time{shape_notes[1]}."""\n{bodies[1]}',
         f"""\
 if __name__ == "__main__":
     z = {z}
@@ -748,12 +756,12 @@ def _wrapped(text: str) -> str:
     lines = []
     for line in text.splitlines():
         indent = line[: len(line) - len(line.lstrip())]
-        long = len(line) > EXPORT_WIDTH + 8 and not line.lstrip().startswith("*")
-        folded = textwrap.wrap(
-            line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False
-        )
-        if long:
-            lines += folded
+        # A little too long is let pass, and lines of comments stay as they are.
+        too_long = len(line) > EXPORT_WIDTH + 8 and not line.lstrip().startswith("*")
+        if too_long:
+            lines += textwrap.wrap(
+                line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False
+            )
         else:
             lines += [line]
     return "\n".join(lines) + "\n"

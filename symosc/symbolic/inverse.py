@@ -90,9 +90,8 @@ class PhaseInterval(NamedTuple):
         """
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
-            inside = (
-                self.low + (self.high - self.low) / parts for parts in (2, 3, 5)
-            )  # not all three are extreme
+            # Three phases inside, which are not all extreme.
+            inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))
             sines = [sp.sin(self._extreme(sign)[0]) for sign in (-1, 1)]
             between = next(
                 theta for theta in inside if all(sign_of(sp.sin(theta) - sine) for sine in sines)
@@ -114,7 +113,7 @@ class PhaseInterval(NamedTuple):
         high = (self.high, not self.high_open)
         difference = sign_of(sign * (sp.sin(self.high) - sp.sin(self.low)))
         # If both ends are equally extreme, prefer one that the interval contains.
-        if difference > 0 or (difference == 0 and high[1] > low[1]):
+        if difference > 0 or (difference == 0 and self.low_open and not self.high_open):
             return high
         return low
 
@@ -594,16 +593,19 @@ def _read_names(mapping: str, names_given: Any, p: Any) -> tuple[str, ...]:
     else:
         asked = (names_given,)
     if p is None:
-        own = "v"
+        belt_name = "v"
     else:
-        own = belt
+        belt_name = belt
     names = tuple(
-        own if isinstance(name, str) and name in (belt, "v_lambda") else name for name in asked
+        belt_name if isinstance(name, str) and name in (belt, "v_lambda") else name
+        for name in asked
     )
     for name, asked_name in zip(names, asked, strict=True):
-        if not isinstance(name, str) or name not in ("Omega", "B0", "k", own):
-            known = f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
-            raise ParameterError("name", asked_name, known)
+        if not isinstance(name, str) or name not in ("Omega", "B0", "k", belt_name):
+            allowed = (
+                f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
+            )
+            raise ParameterError("name", asked_name, allowed)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
         raise ParameterError(
             "name", names_given, "give one parameter, or a pair of two different ones"
@@ -635,14 +637,14 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
         "v1": sp.Interval.open(-sp.oo, values[second_belt]),
         "v2": sp.Interval.open(values[second_belt], sp.oo),
     }[belt if name == "v" else name]
-    asked = "v" if name == belt else name, values, domain
+    solved_for = "v" if name == belt else name, values, domain
     if question.asked == "empty":
-        solved = _solve_for_all_phases(*asked, -where.side, True, True)
+        solved = _solve_for_all_phases(*solved_for, -where.side, True, True)
     elif question.asked == "everything":
-        solved = _solve_for_all_phases(*asked, where.side, full, False)
+        solved = _solve_for_all_phases(*solved_for, where.side, full, False)
     elif isinstance(question.theta, PhaseInterval):
         decided = [
-            _containing(*asked, where.side, extreme, full)
+            _containing(*solved_for, where.side, extreme, full)
             for extreme in question.theta.deciding((-1, 1))
         ]
         solved = iter(
@@ -654,7 +656,7 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
             ]
         )
     else:
-        solved = _containing(*asked, where.side, (question.theta, True), full)
+        solved = _containing(*solved_for, where.side, (question.theta, True), full)
     conditions: dict[Expr, Expr] = {}  # conditions with one answer are joined
     for condition, inside in solved:
         if condition != sp.false:

@@ -76,25 +76,23 @@ def _term_key(term: Expr) -> tuple[float, bool, Any]:
     ]
     letters = {symbol.name for factor in outside or [term] for symbol in factor.free_symbols}
     letters = letters or {symbol.name for symbol in term.free_symbols}
-    first: float = _place(letters)
-    if first == len(ORDER):
-        held = any(name.startswith("F_{s") for name in letters)
-        if "x_i" in letters or held:
-            first = -2
+    negative = term.could_extract_minus_sign()
+    # Terms without a letter of ORDER stand in front of all others: positive numbers (-3), positions
+    # and F_s (-2), positive terms of basis functions alone (-1.5), speeds (-1).
+    rank: float = _place(letters)
+    if rank == len(ORDER):
+        bare = {
+            symbol for factor in outside if not factor.is_Function for symbol in factor.free_symbols
+        }
+        if "x_i" in letters or any(name.startswith("F_{s") for name in letters):
+            rank = -2
         elif letters & SPEEDS:
-            first = -1
-        if first == len(ORDER) and not term.could_extract_minus_sign():
-            bare = {
-                symbol
-                for factor in outside
-                if not factor.is_Function
-                for symbol in factor.free_symbols
-            }
-            if term.is_number:
-                first = -3
-            elif bare <= set(solution.BASIS):
-                first = -1.5
-    return first, term.could_extract_minus_sign(), sp.default_sort_key(term)
+            rank = -1
+        elif term.is_number and not negative:
+            rank = -3
+        elif bare <= set(solution.BASIS) and not negative:
+            rank = -1.5
+    return rank, negative, sp.default_sort_key(term)
 
 
 def terms(expr: Expr) -> list[Expr]:
@@ -318,10 +316,10 @@ class PaperPrinter(LatexPrinter):
             power = ""
         else:
             power = f"^{{{count}}}"
-        what = self._print(expr.expr)
+        operand = self._print(expr.expr)
         if expr.expr.is_Add:
-            what = _parentheses(what)
-        return rf"\frac{{d{power}}}{{d {self._print(variable)}{power}}} {what}"
+            operand = _parentheses(operand)
+        return rf"\frac{{d{power}}}{{d {self._print(variable)}{power}}} {operand}"
 
     def _print_Function(self, expr: Expr, exp: Any = None) -> str:
         if isinstance(expr, AppliedUndef):
@@ -338,12 +336,12 @@ def _from_both_sides(first: Expr, second: Expr) -> bool:
     """Return whether one condition bounds an expression from below and the other bounds the same
     one from above.
     """
-    both = (
+    comparable = (
         isinstance(first, INEQUALITIES)
         and isinstance(second, INEQUALITIES)
         and first.lhs == second.lhs
     )
-    return both and (first.lhs == first.gts) != (second.lhs == second.gts)
+    return comparable and (first.lhs == first.gts) != (second.lhs == second.gts)
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:

@@ -90,11 +90,11 @@ def repeated_apart() -> dict[str, Expr]:
     formulas |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
     swing = tuple(tau * wave(Omega * tau) for wave in (sp.cos, sp.sin))
     for (f, g), forcing, tops in (((V, W), (R2, I2), ("u", "z")), ((P, Q), swing, ("y", "n"))):
-        known = [
+        sources = [
             part - _operator(name).subs({f: 0, g: 0})
             for name, part in zip((f, g), forcing, strict=True)
         ]
-        formulas |= dict(zip(tops, map(sp.expand, known), strict=True))
+        formulas |= dict(zip(tops, map(sp.expand, sources), strict=True))
         real, imaginary = sp.symbols(tops)
         whole = sp.solve([p * f - q * g - real, q * f + p * g - imaginary], [f, g])
         formulas |= {

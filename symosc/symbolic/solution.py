@@ -109,10 +109,10 @@ def stick_acceleration(start: Expr, cosines: Expr) -> Expr:
     """
     # `cosines` stands for cos(theta_i + Omega tau) - cos(theta_i), which a caller can compute
     # without cancellation.
-    here = acceleration(x_i, v, theta_i)
-    there = acceleration(x_i + v * tau, v, theta_i + Omega * tau)
+    at_start = acceleration(x_i, v, theta_i)
+    at_end = acceleration(x_i + v * tau, v, theta_i + Omega * tau)
     wave = sp.cos(theta_i + Omega * tau) - sp.cos(theta_i)
-    return start + sp.collect(sp.expand(there - here), f0).subs(wave, cosines)
+    return start + sp.collect(sp.expand(at_end - at_start), f0).subs(wave, cosines)
 
 
 # --- what holds for the basis functions in every regime ---
@@ -131,12 +131,12 @@ def rates() -> dict[Expr, Expr]:
         S(tau),
         *(sp.Integral(integral, (u, 0, tau)) for integral in integrals),
     ]
-    known = dict(zip(meanings, BASIS, strict=True))
+    names_of = dict(zip(meanings, BASIS, strict=True))
     ode = {S(tau).diff(tau, 2): -cm * S(tau).diff(tau) - w0sq * S(tau)}
     # factor_terms takes Omega out of the integrals
     return {
-        name: sp.factor_terms(meaning.diff(tau)).xreplace(ode).xreplace(known)
-        for meaning, name in known.items()
+        name: sp.factor_terms(meaning.diff(tau)).xreplace(ode).xreplace(names_of)
+        for meaning, name in names_of.items()
     }
 
 
@@ -167,12 +167,12 @@ def use_relations(expr: Expr) -> Expr:
     """Remove E0, cos(Omega tau) and sin(Omega tau) from an expression by `relations`, and expand
     it.
     """
-    step, real, imaginary = relations()
+    step_response, cosine_response, sine_response = relations()
     expr = sp.expand(expr, trig=True)
     for relation, unwanted in (
-        (real, sp.cos(Omega * tau)),
-        (imaginary, sp.sin(Omega * tau)),
-        (step, E0),
+        (cosine_response, sp.cos(Omega * tau)),
+        (sine_response, sp.sin(Omega * tau)),
+        (step_response, E0),
     ):
         expr = sp.expand(expr.xreplace({unwanted: sp.solve(relation, unwanted)[0]}))
     return expr
@@ -202,9 +202,11 @@ def flow(regime: Regime | None = None) -> Flow:
     constants = sp.solve(at_start, [alpha, beta], dict=True)[0]
     position = use_relations(shape.xreplace(constants).xreplace({A_m: _force_at_start()}))
     velocity = use_relations(time_derivative(position))
-    acceleration_ = time_derivative(velocity)
+    rate_of_velocity = time_derivative(velocity)
     return Flow(
-        x_i + collected(position - x_i), v_i + collected(velocity - v_i), collected(acceleration_)
+        x_i + collected(position - x_i),
+        v_i + collected(velocity - v_i),
+        collected(rate_of_velocity),
     )
 
 

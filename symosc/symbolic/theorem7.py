@@ -198,20 +198,21 @@ def window_phases(
 
     `known_signs`: result of `signs`, if known.
     """
-    of = known_signs or signs(gamma, amplitude)
-    kind = cases.window_kind(where.side, *of, full)
-    if kind in (cases.EMPTY, cases.EVERYTHING):
-        if kind == cases.EVERYTHING:
-            return CIRCLE
+    gamma_sign, amplitude_sign, excess_sign = known_signs or signs(gamma, amplitude)
+    kind = cases.window_kind(where.side, gamma_sign, amplitude_sign, excess_sign, full)
+    if kind == cases.EVERYTHING:
+        return CIRCLE
+    if kind == cases.EMPTY:
         return sp.S.EmptySet
-    above = where.side * of[1] > 0  # where sin(theta) > sin(theta_cr), else where it is less
+    # It grazes where sin(theta) is above sin(theta_cr), or else where it is below.
+    above = where.side * amplitude_sign > 0
     if kind == cases.ALL_BUT_ONE:
         if above:
             point = BOTTOM
         else:
             point = TOP
         return _through_zero(point, point)
-    if of[0]:
+    if gamma_sign:
         theta_cr = sp.asin(-gamma / amplitude)
     else:
         theta_cr = sp.S.Zero
@@ -258,8 +259,10 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
     g = GAMMA
     a = AMPLITUDE
     rows_of_signs = []
-    for amplitude_sign, sign in ((1, a > 0), (-1, a < 0)):
+    for amplitude_sign, amplitude_condition in ((1, a > 0), (-1, a < 0)):
         size = amplitude_sign * a
+        # Each row: the signs of gamma and of |gamma| - |a|, and the condition for them, in the
+        # order of (55).
         rows = [
             ((1, -1), (g > 0) & (g < size)),
             ((1, 0), sp.Eq(g, size)),
@@ -271,12 +274,12 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
             ((-1, 1), g < -size),
             ((-1, 0), sp.Eq(g, -size)),
         ]
-        if where.side < 0:
+        if where.side < 0:  # in (56) the last two change places, and the second and third are one
             rows[5:] = rows[:4:-1]
             rows[1:3] = [((1, 0), g >= size)]
         rows_of_signs += [
-            ((of_gamma, amplitude_sign, excess), condition & sign)
-            for (of_gamma, excess), condition in rows
+            ((gamma_sign, amplitude_sign, excess), condition & amplitude_condition)
+            for (gamma_sign, excess), condition in rows
         ]
     if where.side > 0:
         nothing = g <= 0
@@ -287,8 +290,12 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
     for gamma_sign, condition in ((where.side, everything), (0, nothing)):
         rows_of_signs.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
     return tuple(
-        Case(cases.case_label(where, *of), condition, window_phases(where, g, a, full, of))
-        for of, condition in rows_of_signs
+        Case(
+            cases.case_label(where, *known_signs),
+            condition,
+            window_phases(where, g, a, full, known_signs),
+        )
+        for known_signs, condition in rows_of_signs
     )
 
 

@@ -76,14 +76,14 @@ def test_a_second_opinion_finds_wrong_motions() -> None:
     # A missed contact.
     p, found = stretches("fig9")
     long = found[0].start[0] + 2 * found[0].end[0]
-    x, v = map(float, exact.flow(p, p.A(found[0].where), found[0].start, long))
+    x, v = map(float, exact.flow(p, p.A(found[0].place), found[0].start, long))
     assert fly_again(p, [found[0]._replace(end=(long, x, v))])[1] == 1
     # A wrong mode, and a stick that is too long.
     p, found = stretches("fig5")
-    at = next(i for i, each in enumerate(found) if each.where == -1)
+    at = next(i for i, each in enumerate(found) if each.place == -1)
     assert fly_again(p, found[: at + 1]) == (pytest.approx(0, abs=1e-9), 0)
     t, x, v = found[at].end
-    assert fly_again(p, [*found[:at], found[at]._replace(where=1)])[1] >= 1
+    assert fly_again(p, [*found[:at], found[at]._replace(place=1)])[1] >= 1
     assert fly_again(p, [found[at]._replace(end=(t + 1, x + 1, v))])[1] == 1
 
 

@@ -258,8 +258,8 @@ def _bound() -> Items:
 
 def event_bound(p: Parameters, belts: set[int], changes: int) -> int:
     """Return the bound of the corollary on the number of events in a period of the drive."""
-    rest = number(p.k / p.m) - number(p.c / p.m) ** 2 / 4
-    frequency = CONTEXT.sqrt(max(rest, CONTEXT.mpf(0)))
+    square = number(p.k / p.m) - number(p.c / p.m) ** 2 / 4
+    frequency = CONTEXT.sqrt(max(square, CONTEXT.mpf(0)))
     cuts = floor(2 * frequency / number(p.Omega))
     if len(belts) == 1:
         return 3 * (3 + cuts)
@@ -272,13 +272,17 @@ def busiest_period(scene: str) -> tuple[int, set[int], int]:
     period = 2 * CONTEXT.pi / number(start.parameters.Omega)
     trajectory = simulate(start, t_end=f"{PERIODS}T")
     events = [(CONTEXT.mpf(event.t), event.boundary) for event in trajectory.events]
-    most: tuple[int, set[int], int] = (0, {1}, 0)
+    most_events = 0
+    belts = {1}
+    changes = 0
+    # The busiest period may begin with an event.
     for first, _ in events:
-        inside = [belt for when, belt in events if first <= when <= first + period]
-        if len(inside) > most[0]:
+        inside = [belt for time, belt in events if first <= time <= first + period]
+        if len(inside) > most_events:
+            most_events = len(inside)
+            belts = set(inside)
             changes = sum(before != after for before, after in pairwise(inside))
-            most = (len(inside), set(inside), changes)
-    return most
+    return most_events, belts, changes
 
 
 def _count(number_of: int) -> Step:

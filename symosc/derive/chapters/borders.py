@@ -5,6 +5,7 @@ complete.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -161,15 +162,15 @@ def items(scope: Scope) -> Items:
     )
 
 
-def _across_each_belt(side: str, way: int) -> Check:
+def _across_each_belt(side: str, sign: int) -> Check:
     """Return the check of the acceleration on one side of each belt if the other side's is 0.
 
-    `side` is LOWER or UPPER, and `way` is 1 if that one is above the belt, -1 if it is below.
+    `side` is LOWER or UPPER, and `sign` is 1 if that one is above the belt, -1 if it is below.
     """
     # By Newton's law in both domains: the difference does not depend on the state.
     differences = {belt: newton(belt + 1) - newton(belt) for belt in BELTS}
     return cases(
-        *(exact({F(side): way * gap, mu_lambda: MU[belt]}) for belt, gap in differences.items())
+        *(exact({F(side): sign * gap, mu_lambda: MU[belt]}) for belt, gap in differences.items())
     )
 
 
@@ -180,13 +181,13 @@ def _names_table() -> Table:
     graze = "grazing", "grazing, or vanishing of a stick"
     birth = "birth of a stick", "vanishing of a stick"
     slip = "birth of a slip", "vanishing of a slip"
-    lasts = lengths()
-    divided = lasts["interrupted-slip"]
-    sliding = replace(divided, right=divided.right.subs(lasts["graze"].left, lasts["graze"].right))
+    steps = lengths()
+    divided = steps["interrupted-slip"]
+    sliding = replace(divided, right=divided.right.subs(steps["graze"].left, steps["graze"].right))
     rows = (
-        (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", lasts["graze"], *graze),
-        (NAMES[1], r"$F^{(\alpha)} = 0$ at a passage", lasts["stick"], *birth),
-        (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", lasts["slip-short"], slip[0], "grazing"),
+        (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", steps["graze"], *graze),
+        (NAMES[1], r"$F^{(\alpha)} = 0$ at a passage", steps["stick"], *birth),
+        (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", steps["slip-short"], slip[0], "grazing"),
         (NAMES[3], r"$F^{(\alpha)} = 0$ in a stick", sliding, *slip),
     )
     return Table(
@@ -203,23 +204,29 @@ def _names_table() -> Table:
 #: Below this a rate counts as 0: it is known from the end of a branch in doubles.
 LEAST = sp.Rational(1, 10**4)
 _WALL = wall("0.4", "0.4", "0.1")
-#: Where, its parameters, a word, the parameter and its range, which end, the belt; the border, is
-#: the rate < 0.
-EXAMPLES: tuple[tuple[str, Parameters, str, str, tuple[str, str], int, int, str, bool], ...] = (
-    ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 1, 2, NAMES[0], True),
-    ("Fig.~9", load_scene("fig9").parameters, "P32", "Omega", ("3", "6"), 0, 1, NAMES[1], True),
-    ("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.5"), 0, 1, NAMES[2], True),
-    (
-        "Fig.~10",
-        load_scene("fig10").parameters,
-        "P4645",
-        "Omega",
-        ("0.6", "3"),
-        0,
-        2,
-        NAMES[3],
-        False,
-    ),
+
+
+class BranchExample(NamedTuple):
+    """A branch one end of which is on a border."""
+
+    place: str  # as the table says it
+    parameters: Parameters
+    word: str
+    name: str  # the parameter along the branch
+    limits: tuple[str, str]
+    end: int  # the end of the branch: 0 or 1
+    belt: int
+    border: str
+    negative: bool  # whether the rate is negative there, else it is 0
+
+
+FIG9 = load_scene("fig9").parameters
+FIG10 = load_scene("fig10").parameters
+EXAMPLES = (
+    BranchExample("Fig.~9", FIG9, "P32", "Omega", ("3", "6"), 1, 2, NAMES[0], True),
+    BranchExample("Fig.~9", FIG9, "P32", "Omega", ("3", "6"), 0, 1, NAMES[1], True),
+    BranchExample("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.5"), 0, 1, NAMES[2], True),
+    BranchExample("Fig.~10", FIG10, "P4645", "Omega", ("0.6", "3"), 0, 2, NAMES[3], False),
 )
 
 
@@ -229,25 +236,28 @@ def _examples_table() -> Table:
     """
     rows = []
     signs = []
-    for where, p, word, name, ends, which, belt, border, negative in EXAMPLES:
-        end = continue_orbit(p, word, name, ends).ends[which]
-        there = p.replace(**{name: end.value})
-        letter = {"Omega": r"\Omega", "mu1": r"\mu_1"}[name]
-        phase = number(there.Omega) * number(end.conditions[0].t)
-        push = number(there.k * there.belt(belt)) + number(there.B0 * there.Omega) * CONTEXT.sin(
-            phase
-        )
-        rate = sp.Float(CONTEXT.nstr(-push / number(there.m), 20), 20)
-        signs.append(
-            step(rate if negative else sp.Abs(rate), "<", 0 if negative else LEAST, at_root(dict))
-        )
-        cell = decimal("z", end.value, 7)
+    for example in EXAMPLES:
+        p = example.parameters
+        branch = continue_orbit(p, example.word, example.name, example.limits)
+        end = branch.ends[example.end]
+        at_end = p.replace(**{example.name: end.value})
+        letter = {"Omega": r"\Omega", "mu1": r"\mu_1"}[example.name]
+        phase = number(at_end.Omega) * number(end.conditions[0].t)
+        # m dF/dt on the belt is -(k v_lambda + B0 Omega sin theta).
+        minus_rate = number(at_end.k * at_end.belt(example.belt)) + number(
+            at_end.B0 * at_end.Omega
+        ) * CONTEXT.sin(phase)
+        rate = sp.Float(CONTEXT.nstr(-minus_rate / number(at_end.m), 20), 20)
+        if example.negative:
+            signs.append(step(rate, "<", 0, at_root(dict)))
+        else:
+            signs.append(step(sp.Abs(rate), "<", LEAST, at_root(dict)))
         rows.append(
             (
-                border,
-                f"$P_{{{word[1:]}}}$, {where}",
+                example.border,
+                f"$P_{{{example.word[1:]}}}$, {example.place}",
                 f"${letter}$",
-                cell,
+                decimal("z", end.value, 7),
                 end.kind,
                 decimal("z", rate, 3),
             )

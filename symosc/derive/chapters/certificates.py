@@ -238,17 +238,20 @@ def _windows() -> Items:
         derivatives.append(derivatives[-1].diff(t).subs(path.diff(t, 2), newton))
     # At the contact x' = v_lambda and x'' = F = 0, which gives x.
     place = sp.solve(newton.subs(velocity, v_lambda), path)[0]
-    at = [
+    on_belt = [
         derivative.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta)
         for derivative in derivatives
     ]
-    touch = at[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
+    touch = on_belt[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
     yield (
         r"\subsection{Windows: every phase}",
         r"\begin{lemma}[a contact without force]\label{thm:certificates-window} Let a flight meet "
         r"a belt with $F = 0$, so that $g = \dot{g} = 0$ for its gap. Then",
         equation(
-            SECOND, -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m, sp.simplify(at[1]), "second"
+            SECOND,
+            -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m,
+            sp.simplify(on_belt[1]),
+            "second",
         ),
         r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
         equation(FOURTH, -k * Omega**2 * v_lambda / m, sp.simplify(touch), "fourth"),
@@ -257,7 +260,8 @@ def _windows() -> Items:
         r"$\ddot{x} = 0$. The third derivative is $-(c/m)\ddot{g} - "
         r"(B_0\Omega^2/m)\cos\theta$.\end{proof}",
         facts(
-            equation(at[0], 0), equation(at[2], -c / m * at[1] - B0 * Omega**2 / m * sp.cos(theta))
+            equation(on_belt[0], 0),
+            equation(on_belt[2], -c / m * on_belt[1] - B0 * Omega**2 / m * sp.cos(theta)),
         ),
         r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. "
         r"Those are the phases with $\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and "

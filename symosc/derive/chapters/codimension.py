@@ -276,8 +276,8 @@ def _rests() -> Items:
     high = named("x_+")
     low = named("x_-")
     ends = {
-        name: sp.solve(held + way * (mu * FN - size) - k * name, name)[0]
-        for name, way in ((high, 1), (low, -1))
+        name: sp.solve(held + sign * (mu * FN - size) - k * name, name)[0]
+        for name, sign in ((high, 1), (low, -1))
     }
     return (
         r"\subsection{(E) A belt at rest: where the attractor jumps}",
@@ -343,9 +343,11 @@ def _ratio() -> Step:
     entries = sp.symbols("M_{11} M_{12} M_{21} M_{22}", real=True)
     matrix = sp.Matrix(2, 2, entries)
     push = sp.Matrix(sp.symbols("p q", real=True))  # what the parameters change in a period
+    # The velocity of the fixed point of a period: without a stick, and with one, which makes all
+    # velocities the same.
     without, stuck = (((sp.eye(2) - matrix * sp.diag(1, kept)).inv() * push)[1] for kept in (1, 0))
-    first, _, _, last = entries
-    right = ((1 - first) * (1 - last) - entries[1] * entries[2]) / (1 - first)
+    m_11, m_12, m_21, m_22 = entries
+    right = ((1 - m_11) * (1 - m_22) - m_12 * m_21) / (1 - m_11)
     check = exact({named(r"\frac{\epsilon_{+}}{\epsilon_{-}}"): stuck / without}, sp.simplify)
     return equation(named(r"\frac{\epsilon_{+}}{\epsilon_{-}}"), right, check, "ratio")
 
@@ -396,10 +398,12 @@ def frictionless(half: Any) -> Any:
     angle = CONTEXT.mpf(0)
     slope = HERE.k * BELT
     small = slope * half**2 / 2
+    # The flow of the domain below is `small` beyond the belt's speed at its top, at the phase 0; it
+    # meets the belt's speed at the time `met` < 0.
     speed = BELT + small
     top = (HERE.B0 - HERE.c * speed) / HERE.k
     met = zero(lambda time: flow(HERE, top, speed, angle, time)[1] - BELT, -half)
-    place = flow(HERE, top, speed, angle, met)[0]
+    place, _ = flow(HERE, top, speed, angle, met)
 
     def force_back(jump: Any) -> Any:
         """Return U where the flight above the belt comes back, for a jump J of the force."""
@@ -408,7 +412,8 @@ def frictionless(half: Any) -> Any:
         back = zero(
             lambda time: (flow(above, place, BELT, angle + met, time)[1] - BELT) / time, length
         )
-        return pull(HERE, BELT, flow(above, place, BELT, angle + met, back)[0], angle + met + back)
+        place_back, _ = flow(above, place, BELT, angle + met, back)
+        return pull(HERE, BELT, place_back, angle + met + back)
 
     jump = zero(force_back, slope * half / 2)
     return small * slope / jump**2
@@ -425,9 +430,8 @@ def meeting(kind: str) -> tuple[Any, Any]:
     def conditions(friction: Any, frequency: Any) -> tuple[Any, Any]:
         """Return position and velocity half a period later, minus what they have to be."""
         above = ExampleOscillator(damping, stiffness, amplitude, frequency, -friction)
-        if (
-            kind == "(A)"
-        ):  # sticks at x = F_N - 1 from the phase pi on until the force from above is 0
+        if kind == "(A)":
+            # Sticks at x = F_N - 1 from the phase pi on until the force from above is 0.
             start = friction - 1
             leaves = 2 * CONTEXT.pi - CONTEXT.acos(friction + start)
             place, speed = flow(
@@ -436,12 +440,15 @@ def meeting(kind: str) -> tuple[Any, Any]:
         else:  # leaves at the phase pi with the force 0
             start = -1 - friction
             place, speed = flow(above, start, CONTEXT.mpf(0), CONTEXT.pi, CONTEXT.pi / frequency)
+        # A symmetric motion is at -x and -v half a period later.
         return place + start, speed
 
-    near = {"(A)": ("0.0436", "0.3218"), "(B)": ("0.248", "0.476")}[kind]
+    guess = {"(A)": ("0.0436", "0.3218"), "(B)": ("0.248", "0.476")}[kind]
     solver = CONTEXT.clone()  # it changes its precision on the way
-    root = solver.findroot(lambda *at: list(conditions(*at)), [solver.mpf(text) for text in near])
-    return CONTEXT.mpf(root[0]), CONTEXT.mpf(root[1])
+    friction, frequency = solver.findroot(
+        lambda *point: list(conditions(*point)), [solver.mpf(text) for text in guess]
+    )
+    return CONTEXT.mpf(friction), CONTEXT.mpf(frequency)
 
 
 def _tables() -> Items:
@@ -453,22 +460,17 @@ def _tables() -> Items:
     )
     rows = []
     for name, value, function in ratios:
-        known = CONTEXT.mpf(int(value))
-        limit = _extrapolated(function)
-        rows.append(
-            (
-                name,
-                f"${value}$",
-                decimal("z", limit, DECIMALS, close(partial(CONTEXT.mpf, known), DECIMALS)),
-            )
-        )
-    places = []
-    words = {
+        by_theorem = CONTEXT.mpf(int(value))
+        by_flow = _extrapolated(function)
+        check = close(partial(CONTEXT.mpf, by_theorem), DECIMALS)
+        rows.append((name, f"${value}$", decimal("z", by_flow, DECIMALS, check)))
+    points = []
+    borders = {
         "(A)": r"adding-sliding, grazing-sliding",
         "(B)": "crossing-, switching-, grazing-sliding",
     }
-    for kind, what in words.items():
-        places.append((kind, what, *(decimal("z", value, 10) for value in meeting(kind))))
+    for kind, names in borders.items():
+        points.append((kind, names, *(decimal("z", value, 10) for value in meeting(kind))))
     setting, numbers = stated(WALL, "m", "k", "B0", "mu1", "c", "A0", "v1", "mu2")
     return (
         r"\subsection{Examples}",
@@ -489,7 +491,7 @@ def _tables() -> Items:
             r"$\Omega$: the symmetric motion that fulfils both conditions, in closed form, solved "
             r"with 50 digits. \texttt{continue\_border} ends at the same points.",
             ("", "borders", "$F_N$", r"$\Omega$"),
-            tuple(places),
+            tuple(points),
             numbers,
             columns="llrr",
         ),

@@ -32,6 +32,11 @@ from symosc.symbolic.solution import B0, Omega, c, k, m
 from symosc.symbolic.theorem7 import rational
 
 TITLE = "Discontinuity maps of the four borders"
+#: The places of the borders in NAMES, CORRECTIONS and PHASES: their numbers `n`.
+GRAZING, CROSSING, SWITCHING, ADDING = range(len(NAMES))
+#: The place of the change of the position in what `changes` returns; that of the velocity is 1.
+POSITION = 0
+ROMAN = ("i", "ii", "iii", "iv")
 SMALL = sp.Symbol(r"\epsilon", positive=True)
 BEND = sp.Symbol("b", positive=True)
 TIME = sp.Symbol("t", real=True)
@@ -64,7 +69,7 @@ def _corrections() -> tuple[Correction, ...]:
     three_halves = sp.Rational(3, 2)
     return (
         Correction(
-            NAMES[0],
+            NAMES[GRAZING],
             "stick",
             bump,
             -ROOT,
@@ -75,7 +80,7 @@ def _corrections() -> tuple[Correction, ...]:
             sp.S.One,
         ),
         Correction(
-            NAMES[1],
+            NAMES[CROSSING],
             "stick",
             SMALL * TIME - BEND * TIME**2 / 2,
             sp.S.Zero,
@@ -86,7 +91,7 @@ def _corrections() -> tuple[Correction, ...]:
             sp.Integer(2),
         ),
         Correction(
-            NAMES[2],
+            NAMES[SWITCHING],
             "slip",
             -SMALL * TIME + BEND * TIME**2 / 2,
             sp.S.Zero,
@@ -97,7 +102,7 @@ def _corrections() -> tuple[Correction, ...]:
             None,
         ),
         Correction(
-            NAMES[3],
+            NAMES[ADDING],
             "slip",
             slip,
             -ROOT,
@@ -152,7 +157,7 @@ def _theorem() -> Items:
         else:
             extra = 1
         area = sp.integrate(border.gap, (TIME, border.first, border.last))
-        steps.append(rf"({'i' * (n + 1) if n < 3 else 'iv'}) {border.name}:")
+        steps.append(rf"({ROMAN[n]}) {border.name}:")
         steps.append(equation(PLACE, border.place, {PLACE: extra * area}, f"x-{n + 1}"))
         if border.speed != 0:
             last = border.gap.subs(TIME, border.last)
@@ -196,15 +201,15 @@ def _gap(n: int) -> Any:
     """Return the gap g(t) of a border, integrated from the force to leading order."""
     constant = sp.Symbol("C", real=True)
     later = sp.Symbol("u", real=True)
-    if n == 0:  # U = -b t, and the maximum of g is epsilon at t = 0
+    if n == GRAZING:  # U = -b t, and the maximum of g is epsilon at t = 0
         return SMALL + sp.integrate(-BEND * later, (later, 0, TIME))
-    if n == 3:  # U = -epsilon + b t^2/2 from the zero of U on
+    if n == ADDING:  # U = -epsilon + b t^2/2 from the zero of U on
         force = -SMALL + BEND * later**2 / 2
         start = min(
             sp.solve(force.subs(later, constant), constant), key=lambda root: root.is_positive
         )
         return sp.integrate(force, (later, start, TIME))
-    if n == 1:
+    if n == CROSSING:
         force = SMALL - BEND * later
     else:
         force = -SMALL + BEND * later
@@ -214,14 +219,14 @@ def _gap(n: int) -> Any:
 def _length(n: int) -> Any:
     """Return how long the extra piece lasts, from the gap of `_gap`."""
     gap = _gap(n)
-    if n == 0:  # from the zero of g to that of U
+    if n == GRAZING:  # from the zero of g to that of U
         return (
             max(sp.solve(gap, TIME), key=lambda root: root.is_positive)
             - sp.solve(gap.diff(TIME), TIME)[0]
         )
-    if n == 1:
+    if n == CROSSING:
         return sp.solve(gap.diff(TIME), TIME)[0]
-    if n == 2:
+    if n == SWITCHING:
         return max(sp.solve(gap, TIME), key=lambda root: root.is_positive)
     half = sp.Symbol("q", positive=True)  # the slip begins at -q
     factors = sp.factor(sp.expand(gap.subs(SMALL, BEND * half**2 / 2)))
@@ -249,15 +254,16 @@ def flow(o: ExampleOscillator, place: Any, speed: Any, angle: Any, later: Any) -
     first_root = -o.c / 2 + root
     second_root = -o.c / 2 - root
     turn = mp.expj(angle)
-    free = place - o.A / o.k - mp.re(wave * turn)
-    drift = speed - mp.re(1j * o.Omega * wave * turn)
-    first = (drift - second_root * free) / (first_root - second_root)
-    second = free - first
-    end = wave * mp.expj(angle + o.Omega * later)
-    fast = first * mp.exp(first_root * later)
-    slow = second * mp.exp(second_root * later)
-    return o.A / o.k + mp.re(end + fast + slow), mp.re(
-        1j * o.Omega * end + first_root * fast + second_root * slow
+    # What the forced motion leaves to the two exponentials, at the start and at the end.
+    free_x = place - o.A / o.k - mp.re(wave * turn)
+    free_v = speed - mp.re(1j * o.Omega * wave * turn)
+    first_start = (free_v - second_root * free_x) / (first_root - second_root)
+    second_start = free_x - first_start
+    forced = wave * mp.expj(angle + o.Omega * later)
+    first = first_start * mp.exp(first_root * later)
+    second = second_start * mp.exp(second_root * later)
+    return o.A / o.k + mp.re(forced + first + second), mp.re(
+        1j * o.Omega * forced + first_root * first + second_root * second
     )
 
 
@@ -303,7 +309,7 @@ def bend(n: int) -> Any:
     """Return b of a border in the comparison."""
     angle = phase(n)
     push = HERE.k * BELT + HERE.B0 * CONTEXT.sin(angle)
-    if n == 3:
+    if n == ADDING:
         return abs(HERE.B0 * CONTEXT.cos(angle))
     return abs(push)
 
@@ -312,67 +318,77 @@ def zero(function: Callable[[Any], Any], near: Any) -> Any:
     """Return the zero of a function near a value, with all digits, by the secant method."""
     old = near * CONTEXT.mpf("0.99")
     new = near * CONTEXT.mpf("1.01")
-    below = function(old)
-    above = function(new)
+    old_value = function(old)
+    new_value = function(new)
     for _ in range(60):
-        if above == below or abs(new - old) < CONTEXT.mpf(10) ** -58 * abs(near):
+        if new_value == old_value or abs(new - old) < CONTEXT.mpf(10) ** -58 * abs(near):
             break
-        step_length = above * (new - old) / (above - below)
+        step_length = new_value * (new - old) / (new_value - old_value)
         old = new
-        below = above
+        old_value = new_value
         new = new - step_length
-        above = function(new)
+        new_value = function(new)
     return new
 
 
 @cache
 def changes(n: int, small: Any) -> tuple[Any, Any]:
     """Return delta x and delta v of a border by the exact flow, for epsilon = `small`."""
+    if n == GRAZING:
+        return _changes_by_graze(small)
+    if n == CROSSING:
+        return _changes_by_crossing(small)
+    return _changes_by_slip(n, small)
+
+
+def _changes_by_graze(small: Any) -> tuple[Any, Any]:
+    """Return delta x and delta v of a stick in place of a flight that goes beyond the belt's speed
+    by `small`.
+    """
+    angle = phase(GRAZING)
+    curve = bend(GRAZING)
+    root = CONTEXT.sqrt(2 * small / curve)
+    speed = BELT + small
+    top = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * speed) / HERE.k
+    contact = zero(lambda time: flow(HERE, top, speed, angle, time)[1] - BELT, -root)
+    met, _ = flow(HERE, top, speed, angle, contact)
+    guess = small * HERE.c / curve
+    leaves = zero(lambda time: pull(HERE, BELT, met + BELT * (time - contact), angle + time), guess)
+    place, velocity = flow(HERE, top, speed, angle, leaves)
+    return met + BELT * (leaves - contact) - place, BELT - velocity
+
+
+def _changes_by_crossing(small: Any) -> tuple[Any, Any]:
+    """Return delta x and delta v of a stick at whose start U is `small`."""
+    angle = phase(CROSSING)
+    curve = bend(CROSSING)
+    start = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * BELT - small) / HERE.k
+    leaves = zero(lambda time: pull(HERE, BELT, start + BELT * time, angle + time), small / curve)
+    place, velocity = flow(HERE, start, BELT, angle, leaves)
+    return start + BELT * leaves - place, BELT - velocity
+
+
+def _changes_by_slip(n: int, small: Any) -> tuple[Any, Any]:
+    """Return delta x and delta v of a slip in place of a stick: SWITCHING or ADDING."""
     angle = phase(n)
     curve = bend(n)
     root = CONTEXT.sqrt(2 * small / curve)
-    if n == 0:
-        speed = BELT + small
-        top = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * speed) / HERE.k
-        contact = zero(lambda time: flow(HERE, top, speed, angle, time)[1] - BELT, -root)
-        met = flow(HERE, top, speed, angle, contact)[0]
-        guess = small * HERE.c / curve
-        leaves = zero(
-            lambda time: pull(HERE, BELT, met + BELT * (time - contact), angle + time), guess
-        )
-        place, velocity = flow(HERE, top, speed, angle, leaves)
-        return met + BELT * (leaves - contact) - place, BELT - velocity
-    if n == 1:
-        way = 1
-    else:
-        way = -1
-    start = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * BELT - way * small) / HERE.k
-    if n == 1:
-        leaves = zero(
-            lambda time: pull(HERE, BELT, start + BELT * time, angle + time), small / curve
-        )
-        place, velocity = flow(HERE, start, BELT, angle, leaves)
-        return start + BELT * leaves - place, BELT - velocity
-    if n == 2:
+    start = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * BELT + small) / HERE.k
+    # The slip begins at `first`, where g has a zero of order `power`, and ends near `last`.
+    if n == SWITCHING:
         first = CONTEXT.mpf(0)
         last = 2 * small / curve
-    else:
-        first = -root
-        last = 2 * root
-    if n == 3:
-        first = zero(lambda time: pull(HERE, BELT, start + BELT * time, angle + time), first)
-    left = start + BELT * first
-    # g has a double zero at the start of the slip: it is divided out.
-    if n == 2:
         power = 1
     else:
+        first = zero(lambda time: pull(HERE, BELT, start + BELT * time, angle + time), -root)
+        last = 2 * root
         power = 2
+    left = start + BELT * first
 
     def rest(time: Any) -> Any:
         """Return g divided by the power of the time since the slip began."""
-        return (flow(HERE, left, BELT, angle + first, time - first)[1] - BELT) / (
-            time - first
-        ) ** power
+        _, velocity = flow(HERE, left, BELT, angle + first, time - first)
+        return (velocity - BELT) / (time - first) ** power
 
     ends = zero(rest, last)
     place, velocity = flow(HERE, left, BELT, angle + first, ends - first)
@@ -387,6 +403,8 @@ def limit(function: Callable[[Any], Any]) -> Any:
 
 def neville(places: list[Any], values: list[Any]) -> Any:
     """Return the value at 0 of the polynomial through some points, by Neville's scheme."""
+    # Neville's scheme: column[j] becomes the value at 0 of the polynomial through the values at
+    # places[j] to places[j + width].
     column = [*values]
     for width in range(1, len(places)):
         for j in range(len(places) - width):
@@ -397,9 +415,10 @@ def neville(places: list[Any], values: list[Any]) -> Any:
 
 
 def order(n: int, which: int) -> Any:
-    """Return the order in epsilon of delta x (`which` = 0) or delta v (1) by the exact flow."""
+    """Return the order in epsilon of delta x or delta v (`which`) by the exact flow."""
 
     def exponent(root: Any) -> Any:
+        # Half the root is a quarter of epsilon.
         ratio = changes(n, root**2)[which] / changes(n, (root / 2) ** 2)[which]
         return CONTEXT.log(ratio) / CONTEXT.log(4)
 
@@ -417,13 +436,15 @@ def _exact_factor(n: int, which: int, power: Any) -> Any:
     gap = _gap(n)
     start = CORRECTIONS[n].first
     stop = start + _length(n)
-    if n < 2:
+    # A stick takes the gap away, a slip adds it.
+    if CORRECTIONS[n].piece == "stick":
         extra = -1
     else:
         extra = 1
-    change = extra * (
-        sp.integrate(gap, (TIME, start, stop)) if which == 0 else gap.subs(TIME, stop)
-    )
+    if which == POSITION:
+        change = extra * sp.integrate(gap, (TIME, start, stop))
+    else:
+        change = extra * gap.subs(TIME, stop)
     return sp.simplify(change / SMALL**power)
 
 
@@ -436,7 +457,7 @@ def _numbers_table() -> Table:
     """Return the table of orders and coefficients: by the theorem, and by the exact flow."""
     rows: list[tuple[Any, ...]] = []
     for n, border in enumerate(CORRECTIONS):
-        for which, (what, formula, power) in enumerate(
+        for which, (change, formula, power) in enumerate(
             (
                 (r"$\delta x$", border.place, border.place_order),
                 (r"$\delta\dot{x}$", border.speed, border.speed_order),
@@ -445,19 +466,19 @@ def _numbers_table() -> Table:
             if power is None:
                 continue
             factor = sp.simplify(formula / SMALL**power)
-            known = sp.lambdify(BEND, factor, {"sqrt": CONTEXT.sqrt})(bend(n))
-            known = CONTEXT.mpf(known)
+            by_formula = sp.lambdify(BEND, factor, {"sqrt": CONTEXT.sqrt})(bend(n))
+            by_formula = CONTEXT.mpf(by_formula)
             fits = close(partial(coefficient, n, which, power), DECIMALS)
             rows.append(
                 (
                     border.name,
-                    what,
+                    change,
                     rf"${sp.latex(power)}$",
                     decimal(
                         "z", order(n, which), 8, close(partial(CONTEXT.mpf, sp.N(power, 50)), 8)
                     ),
                     equation(PLACE, factor, {PLACE: _exact_factor(n, which, power)}),
-                    decimal("z", known, DECIMALS, fits),
+                    decimal("z", by_formula, DECIMALS, fits),
                 )
             )
     setting, numbers = valued({letter: rational(value) for letter, value in SETTING.items()})
@@ -553,28 +574,33 @@ def grazing() -> Grazing:
     """Return the multipliers of the paper's Fig. 9 at the end of its branch, on both sides."""
     p = load_scene("fig9").parameters
     end = borders.continue_orbit(p, *BRANCH).ends[1]
-    there = p.replace(Omega=end.value)
-    orbit = find_orbit(there, BRANCH[0], digits=STEP_DIGITS)
+    at_end = p.replace(Omega=end.value)
+    orbit = find_orbit(at_end, BRANCH[0], digits=STEP_DIGITS)
     before = tuple(CONTEXT.re(CONTEXT.mpmathify(value)) for value in orbit.multipliers)
     (down, place), (up, above) = orbit.points
     touch = CONTEXT.mpf(end.conditions[0].t)
     period = CONTEXT.mpf(orbit.period)
     touch += period * CONTEXT.ceil((up - touch) / period)
+    # One period from the touch on, in three flights: duration, domain, the domain that the mass
+    # passes into, and x and t there.
     rows = (
         (down + period - touch, 2, 1, place, down),
         (up - down, 1, 2, above, up),
         (touch - up, 2, None, None, None),
     )
     matrix = CONTEXT.eye(2)
-    basis = flight_basis(there)
-    ratio = number(there.k / there.m)
+    basis = flight_basis(at_end)
+    ratio = number(at_end.k / at_end.m)
     for length, source, target, x, time in rows:
         e0, e1, e2 = basis(length)
         step_matrix = CONTEXT.matrix([[1 - ratio * e2, e1], [-ratio * e1, e0]])
         if target is not None:
-            angle = number(there.Omega) * time
-            forces = [force_at_belt(there, alpha, 1, x, angle) for alpha in (source, target)]
-            step_matrix = CONTEXT.matrix([[1, 0], [0, forces[1] / forces[0]]]) * step_matrix
+            angle = number(at_end.Omega) * time
+            force_before, force_after = (
+                force_at_belt(at_end, alpha, 1, x, angle) for alpha in (source, target)
+            )
+            saltation = CONTEXT.matrix([[1, 0], [0, force_after / force_before]])
+            step_matrix = saltation * step_matrix
         matrix = step_matrix * matrix
     roots = []
     values = []
@@ -588,8 +614,8 @@ def grazing() -> Grazing:
 
 def _multipliers_table() -> Table:
     """Return the table of the multipliers at the graze of the paper's Fig. 9."""
-    known = grazing()
-    first, second = known.before
+    multipliers = grazing()
+    first, second = multipliers.before
     return Table(
         "tab:corrections-multipliers",
         r"Multipliers at the end of the branch $P_{32}$ of the paper's Fig.~9 at a graze "
@@ -601,8 +627,8 @@ def _multipliers_table() -> Table:
             (
                 decimal("z", first, 6),
                 decimal("z", second, 6),
-                decimal("z", known.entry, 6),
-                decimal("z", known.limit, 6, close(lambda: known.entry, 6)),
+                decimal("z", multipliers.entry, 6),
+                decimal("z", multipliers.limit, 6, close(lambda: multipliers.entry, 6)),
             ),
         ),
         columns="rrrr",

@@ -291,8 +291,8 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
 
     `generic` has their closed forms, for the checks.
     """
-    still = sp.cos(Omega * tau) - E0 - cm * E1
-    swing = sp.sin(Omega * tau) - Omega * E1
+    cosine_part = sp.cos(Omega * tau) - E0 - cm * E1
+    sine_part = sp.sin(Omega * tau) - Omega * E1
     meaning = generic | {name: value.xreplace(generic) for name, value in NORMS.items()}
     return (
         r"\begin{corollary}\label{thm:domains-solved} $E_0$ and $E_1$ give the other three: for $k "
@@ -302,8 +302,12 @@ def solved_functions(generic: dict[Any, Any]) -> Items:
         equation(KAPPA, NORMS[KAPPA], NORMS, "kappa"),
         equation(DELTA, KAPPA**2 + (cm * Omega) ** 2, NORMS, "Delta"),
         r"wherever $\Delta > 0$, that is everywhere but at undamped resonance,",
-        equation(R2, (KAPPA * still + cm * Omega * swing) / DELTA, exact(meaning, modes), "R2"),
-        equation(I2, (KAPPA * swing - cm * Omega * still) / DELTA, exact(meaning, modes), "I2"),
+        equation(
+            R2, (KAPPA * cosine_part + cm * Omega * sine_part) / DELTA, exact(meaning, modes), "R2"
+        ),
+        equation(
+            I2, (KAPPA * sine_part - cm * Omega * cosine_part) / DELTA, exact(meaning, modes), "I2"
+        ),
         r"\end{corollary}",
         r"\begin{proof} \eqref{eq:domains-step} is solved for $E_2$; \eqref{eq:domains-cosine} and "
         r"\eqref{eq:domains-sine} are two linear equations for $R_2$ and $I_2$ with the "
@@ -463,22 +467,27 @@ def _times(wave: Any, row: Any) -> Any:
 
 
 def tidy(expr: Any) -> Any:
-    """Write a closed form over a common denominator with its exp, sin, cos, ...
-
-    Collected, so that it is short.
+    """Write a closed form over a common denominator, with the terms of each exp, sin, cos, ...
+    collected, so that it is short.
     """
     waves = sorted(expr.atoms(sp.exp), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in waves]
-    above, below = sp.fraction(sp.together(expr.xreplace(dict(zip(waves, stand_ins, strict=True)))))
-    above, trig = sp.expand(above), sorted(above.atoms(*_WAVES), key=sp.default_sort_key)
-    plain = above.xreplace(dict.fromkeys(stand_ins, sp.Integer(0)))
-    rows = {sp.Integer(1): plain} | {
-        wave: above.coeff(letter) for letter, wave in zip(stand_ins, waves, strict=True)
+    numerator, denominator = sp.fraction(
+        sp.together(expr.xreplace(dict(zip(waves, stand_ins, strict=True))))
+    )
+    trig = sorted(numerator.atoms(*_WAVES), key=sp.default_sort_key)
+    numerator = sp.expand(numerator)
+    without_exp = numerator.xreplace(dict.fromkeys(stand_ins, sp.Integer(0)))
+    # By the exponential that they are the factor of; 1 stands for none.
+    rows = {sp.Integer(1): without_exp} | {
+        wave: numerator.coeff(letter) for letter, wave in zip(stand_ins, waves, strict=True)
     }
-    above = sp.Add(*(_times(wave, sp.collect(row, trig, sp.factor)) for wave, row in rows.items()))
-    if below != 1 and above.is_Add:
-        return sp.Mul(above, 1 / sp.factor(below), evaluate=False)
-    return above / below
+    numerator = sp.Add(
+        *(_times(wave, sp.collect(row, trig, sp.factor)) for wave, row in rows.items())
+    )
+    if denominator != 1 and numerator.is_Add:
+        return sp.Mul(numerator, 1 / sp.factor(denominator), evaluate=False)
+    return numerator / denominator
 
 
 def _sampled(join: solution.Join) -> Step:
@@ -496,10 +505,10 @@ def _sampled(join: solution.Join) -> Step:
         tau: "9/4",
     }
     point = {letter: sp.Rational(value) for letter, value in values.items()}
-    near = (
+    nearby = (
         source[R2].xreplace(join.path).xreplace({join.letter: sp.Rational(1, 10**25)}).subs(point)
     )
-    there = target[R2].subs({key: value for key, value in point.items() if key != join.letter})
+    at_limit = target[R2].subs({key: value for key, value in point.items() if key != join.letter})
     return equation(
-        sp.N(near, 40, maxn=200), sp.N(there, 40), at_root(dict, CONTEXT.mpf(10) ** -20)
+        sp.N(nearby, 40, maxn=200), sp.N(at_limit, 40), at_root(dict, CONTEXT.mpf(10) ** -20)
     )

@@ -10,6 +10,7 @@ import sympy as sp
 
 from symosc.derive.chapters.motion import MU, newton
 from symosc.derive.chapters.orbits import orbit_points
+from symosc.derive.chapters.sticks import PAPER_EXITS
 from symosc.derive.errata import SEVERITIES, read_errata
 from symosc.derive.scope import F, Scope
 from symosc.derive.steps import (
@@ -86,7 +87,7 @@ def items(scope: Scope) -> Items:
         held = (newton(above) - newton(alpha)).subs(numbers)
         true = -2 * (MU[belt] * FN / m).subs(numbers)
         return (
-            rf"({51 + belt}) lets a stick on belt {belt} end by $F^{{({above})}} = 0$ only. "
+            rf"({PAPER_EXITS[belt]}) lets a stick on belt {belt} end by $F^{{({above})}} = 0$ only. "
             rf"{words} at the time below by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
             decimal("t", time, 20, label=f"{scene}-slip"),
             r"where the acceleration of the paper's condition is still",
@@ -127,10 +128,10 @@ def _up_to_slip(scene: str, digits: int, target: str) -> list[Any]:
     Return the event times up to its first slip, which must enter `target`.
     """
     events = simulate(load_scene(scene), digits=digits, max_events=6).events
-    place = next(n for n, event in enumerate(events) if event.kind == "slip")
-    if events[place].target != target:
-        raise StepError(scene, f"the mass slips into {events[place].target}")
-    return [event.t for event in events[: place + 1]]
+    slip = next(n for n, event in enumerate(events) if event.kind == "slip")
+    if events[slip].target != target:
+        raise StepError(scene, f"the mass slips into {events[slip].target}")
+    return [event.t for event in events[: slip + 1]]
 
 
 def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any]:
@@ -146,14 +147,14 @@ def _graze(scene: str, alpha: int, speed: Any, time: Any) -> tuple[Any, Any, Any
     )
     place = sp.solve(force.subs({v: speed, t: time}).subs(numbers), x)[0]
     flow = solution.flow(scope.regimes[0])
-    at = {
+    at_graze = {
         solution.x_i: place,
         solution.v_i: speed,
         solution.a_i: 0,
         solution.tau: sp.Rational(5, 2) - time,
     }
-    at |= {solution.theta_i: (Omega * time).subs(numbers)}
-    start = (expr.subs(scope.display).subs(at) for expr in (flow.x, flow.v))
+    at_graze |= {solution.theta_i: (Omega * time).subs(numbers)}
+    start = (expr.subs(scope.display).subs(at_graze) for expr in (flow.x, flow.v))
     return place, *(sp.N(coordinate, 60)._to_mpmath(200) for coordinate in start)
 
 

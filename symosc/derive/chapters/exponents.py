@@ -132,7 +132,7 @@ def _derivatives() -> Items:
 
 def _limits() -> Items:
     """Yield the items on where the derivatives end."""
-    lasts = lengths()
+    steps = lengths()
     yield (
         r"\subsection{Where they end}",
         r"The theorem divides by $F^{-}$ or $\dot{F}$. Where one of them vanishes, and where "
@@ -141,21 +141,21 @@ def _limits() -> Items:
         r"first derivative that does not vanish. To leading order",
         r"\begin{enumerate}\item[(i)] a flight that without the belt would go beyond its speed by "
         r"the velocity $\epsilon$ meets it before that, by the time",
-        lasts["graze"],
+        steps["graze"],
         r"A belt with friction lets no flight pass there (Lemma~\ref{thm:motion-jump}): the mass "
         r"sticks. It meets the belt with $F = b s$, and along the belt $F$ falls with the rate $b$ "
         r"as well, so that the stick lasts for",
-        lasts["graze-stick"],
+        steps["graze-stick"],
         r"\item[(ii)] a stick that begins with $F = -\epsilon$ and rises with the rate $b$ lasts "
         r"for",
-        lasts["stick"],
+        steps["stick"],
         r"\item[(iii)] a slip that begins with $F = \epsilon$ and falls with the rate $b$ lasts for",
-        lasts["slip-short"],
+        steps["slip-short"],
         r"\item[(iv)] a stick during which $F = \epsilon - b s^2/2$ is interrupted from $-s$ to "
         r"$2s$, with the $s$ of \eqref{eq:exponents-graze}:",
-        lasts["interrupted"],
+        steps["interrupted"],
         r"so that the slip lasts for",
-        lasts["interrupted-slip"],
+        steps["interrupted-slip"],
         r"\end{enumerate}",
         r"So in (i) and (iv) times grow with the square root on one side, and no derivative exists "
         r"there. In (ii) and (iii) each side has its own derivatives.",
@@ -323,12 +323,13 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
     p = start.parameters
     w0 = number(start.parameters.k / start.parameters.m)
     path = simulate(start, digits=DIGITS + 15)
+    # dx and dv: the derivatives of the state, from event to event.
     if by_friction:
         dx = CONTEXT.mpf(0)
-        dv = CONTEXT.mpf(0)
     else:
         dx = CONTEXT.mpf(1)
-        dv = CONTEXT.mpf(0)
+    dv = CONTEXT.mpf(0)
+    # The derivative of the force by mu_1 in each domain, by which the friction of belt 1 pulls.
     push = {
         alpha: number(sign * p.FN / p.m) * by_friction for alpha, sign in ((1, 1), (2, -1), (3, -1))
     }
@@ -341,17 +342,17 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
         where = (belt, number(event.x), phase)
         source = int(event.source[-1])
         target = int(event.target[-1])
-        if event.source.startswith("Omega"):
+        if event.source.startswith("Omega"):  # a flight ends, else a stick
             e0, e1, e2 = flight_basis(p)(t - before)
             dx, dv = (
                 (1 - w0 * e2) * dx + e1 * dv + e2 * push[source],
                 e0 * dv - w0 * e1 * dx + e1 * push[source],
             )
-            fore = force_at_belt(p, source, *where)
-            slopes.append(-dv * number(p.m) / fore)
+            force_before = force_at_belt(p, source, *where)
+            slopes.append(-dv * number(p.m) / force_before)
             if event.target.startswith("Omega"):
-                dv = dv * force_at_belt(p, target, *where) / fore
-            else:
+                dv = dv * force_at_belt(p, target, *where) / force_before
+            else:  # on a belt all have its velocity
                 dv = dv * 0
         else:
             rate = -(
@@ -366,20 +367,21 @@ def _events_table() -> Table:
     """Return the table of derivatives of event times from `sensitivities`, checked by
     `event_time_derivatives`.
     """
-    known = {q: event_time_derivatives(SCENE, q == "mu1") for q in ("x0", "mu1")}
-    ran = {q: sensitivities(SCENE, q, digits=DIGITS) for q in known}
+    by_formula = {q: event_time_derivatives(SCENE, q == "mu1") for q in ("x0", "mu1")}
+    by_package = {q: sensitivities(SCENE, q, digits=DIGITS) for q in by_formula}
 
     def cell(q: str, n: int) -> Any:
-        return decimal("z", ran[q].dt[n, 0], 24, close(partial(CONTEXT.mpf, known[q][n]), 24))
+        check = close(partial(CONTEXT.mpf, by_formula[q][n]), 24)
+        return decimal("z", by_package[q].dt[n, 0], 24, check)
 
-    events = enumerate(ran["x0"].trajectory.events[:EVENTS])
+    events = enumerate(by_package["x0"].trajectory.events[:EVENTS])
     return Table(
         "tab:exponents-events",
         r"The first events of the paper's Fig.~5: $t_q$ as found by \texttt{sensitivities}, to 24 "
         r"decimals (half a unit of the last one). The matrices of this section, multiplied with 50 "
         r"digits, give the same.",
         ("", "", "$t_q$ for $q = x_0$", r"$t_q$ for $q = \mu_1$"),
-        tuple((str(n + 1), event.kind, *(cell(q, n) for q in known)) for n, event in events),
+        tuple((str(n + 1), event.kind, *(cell(q, n) for q in by_formula)) for n, event in events),
         columns="rlrr",
     )
 
@@ -400,6 +402,7 @@ def _exponents_table() -> Table:
         early, late = (
             choose(sensitivities(scene, "x0", t_end=f"{n}T").lyapunov) for n in (50, 100)
         )
+        # Both are means from the start on: 100 times `late` minus 50 times `early`, over 50.
         return 2 * late - early
 
     stuck = find_orbit("fig10-orbit", "P4645", digits=DIGITS)
@@ -414,10 +417,10 @@ def _exponents_table() -> Table:
     rows: list[Any] = [
         (
             name,
-            decimal("z", known, 11),
-            decimal("z", number(run), 11, close(partial(CONTEXT.mpf, known), 11)),
+            decimal("z", by_formula, 11),
+            decimal("z", number(run), 11, close(partial(CONTEXT.mpf, by_formula), 11)),
         )
-        for name, known, run in values
+        for name, by_formula, run in values
     ]
     rows.append((r"$\Lambda_2$ of $P_{4645}$", r"$-\infty$", r"$-\infty$"))
     return Table(

@@ -63,13 +63,24 @@ def _contact() -> Items:
     """Yield the items on what a contact fixes."""
     rows = []
     for mapping, place in PLACES.items():
+        # G^(1) = -(gamma + a sin theta_m): what bounds the one bounds the other the opposite way.
         if place.side > 0:
-            rate, sine = "<>"
+            rate_sign = "<"
+            sine_sign = ">"
         else:
-            rate, sine = "><"
-        condition = rf"$G^{{(1,{place.domain})}} {rate} 0$", rf"$a \sin\theta_m {sine} -\gamma$"
-        where = place.domain, place.boundary, f"${place.side}$"
-        rows.append((f"$P_{mapping[1]}$", *where, *condition, f"({place.equation})"))
+            rate_sign = ">"
+            sine_sign = "<"
+        rows.append(
+            (
+                f"$P_{mapping[1]}$",
+                place.domain,
+                place.boundary,
+                f"${place.side}$",
+                rf"$G^{{(1,{place.domain})}} {rate_sign} 0$",
+                rf"$a \sin\theta_m {sine_sign} -\gamma$",
+                f"({place.equation})",
+            )
+        )
     yield (
         r"\subsection{What a contact fixes}",
         r"\begin{definition}[graze]\label{thm:grazing-graze} Let the flow of $\Omega_\alpha$ come "
@@ -377,12 +388,13 @@ def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
     def contains(part: Any, phase: Any) -> bool:
         # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for
         # all.
-        low, high = (
-            angle(end).subs({p: sp.Rational(3, 7), q: sp.Rational(2, 5)}) for end in part.args[:2]
-        )
-        left_open, right_open = part.args[2:]
-        after = phase > low or (phase == low and not left_open)
-        return bool(after and (phase < high or (phase == high and not right_open)))
+        start, end, left_open, right_open = part.args
+        numbers = {p: sp.Rational(3, 7), q: sp.Rational(2, 5)}
+        low = angle(start).subs(numbers)
+        high = angle(end).subs(numbers)
+        after_start = phase > low or (phase == low and not left_open)
+        before_end = phase < high or (phase == high and not right_open)
+        return bool(after_start and before_end)
 
     def check(statement: Step) -> StepEvidence:
         if isinstance(statement.right, sp.Union):

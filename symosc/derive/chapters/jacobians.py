@@ -60,6 +60,7 @@ def items(scope: Scope) -> Items:
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
     for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
+        # At fixed theta_j a later start makes the flight shorter: - `slope` in the second.
         slope = solution.time_derivative(expr) / Omega
         true = {"x0": ("x_i", total(expr, x_i)), "th0": (r"\theta_i", total(expr, theta_i) - slope)}
         for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
@@ -256,11 +257,13 @@ def multiplier_products(scene: str, word: str) -> tuple[Any, Any]:
     orbit = find_orbit(p, word, digits=STEP_DIGITS + 5)
     product = prod(map(CONTEXT.mpmathify, orbit.multipliers))
     ratios = CONTEXT.mpf(1)
-    for (t, x), (before, after) in zip(orbit.points, ((2, 1), (1, 2)), strict=True):
-        end, start = (
+    # P32 passes belt 1 downwards and then upwards: the domains before and after each passage.
+    passages = ((2, 1), (1, 2))
+    for (t, x), (before, after) in zip(orbit.points, passages, strict=True):
+        force_after, force_before = (
             force_at_belt(p, alpha, 1, x, number(p.Omega) * t) for alpha in (after, before)
         )
-        ratios *= end / start
+        ratios *= force_after / force_before
     return CONTEXT.re(product), CONTEXT.exp(-number(p.c / p.m) * CONTEXT.mpf(orbit.period)) * ratios
 
 

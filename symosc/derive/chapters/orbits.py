@@ -164,8 +164,8 @@ def how_far() -> Items:
     basis = solution.REGIMES["underdamped"].basis()
     half = basis[E2].subs(tau, sp.pi / omega_d)
     stiffness = {k: m * (h**2 + omega_d**2)}
-    (rest,) = sp.solve(solution.relations()[0], E2)
-    limit = {norm: rest.subs({E0: 0, E1: 0}).xreplace(solution.PAPER_LETTERS)}
+    (e2_by_others,) = sp.solve(solution.relations()[0], E2)
+    limit = {norm: e2_by_others.subs({E0: 0, E1: 0}).xreplace(solution.PAPER_LETTERS)}
     summed = exact(
         {norm: half / (1 - decay), **stiffness}, lambda expr: sp.simplify(expr.rewrite(sp.exp))
     )
@@ -215,50 +215,57 @@ class MappingPiece(NamedTuple):
 
 @cache
 def orbit_points(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ...]:
-    """Return the switching points (x, theta) of an orbit, by `find_orbit` with 50 digits.
+    """Return the switching points (x, theta) of an orbit, by `find_orbit` with 55 digits.
 
-    They begin where the word does as it is given here, which is as the paper writes it.
+    The first point is where the first mapping of `word` starts, with theta in [0, 2 pi).
     """
     orbit = find_orbit(parameters, word, digits=STEP_DIGITS + 5)
     points = [(x, steps.number(parameters.Omega) * t) for t, x in orbit.points]
     turn = 2 * CONTEXT.pi
+    # `find_orbit` may list the cycle from another mapping on: the points before the start of the
+    # word follow one round later.
     labels = read_word(word).labels
     first = next(i for i in range(len(labels)) if orbit.labels[i:] + orbit.labels[:i] == labels)
     later = [(x, theta + turn * orbit.periods) for x, theta in points[:first]]
-    whole = turn * CONTEXT.floor(points[first][1] / turn)
-    return tuple((x, theta - whole) for x, theta in points[first:] + later)
+    whole_turns = turn * CONTEXT.floor(points[first][1] / turn)
+    return tuple((x, theta - whole_turns) for x, theta in points[first:] + later)
 
 
 def pieces(scope: Scope, word: str) -> list[MappingPiece]:
-    """Return the maps of an orbit with a word as Pieces, with the scene's numbers put in."""
+    """Return the mappings of a word's orbit, with the scene's numbers put in."""
     rows = read_word(word).maps
     basis = scope.regimes[0].basis()
     parts = []
-    for i, (row, leaves) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
+    for i, (row, exit_side) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
         before = rows[i - 1]
-        after = (i + 1) % len(rows)
-        here, ends = ((named(f"x_{{{n + 1}}}"), named(rf"\theta_{{{n + 1}}}")) for n in (i, after))
+        after = (i + 1) % len(rows)  # 0 after the last one: the orbit is closed
+        start_letters, end_letters = (
+            (named(f"x_{{{n + 1}}}"), named(rf"\theta_{{{n + 1}}}")) for n in (i, after)
+        )
         duration = named(rf"\tau_{{{i + 1}}}")
         start = BELTS[row.start.boundary]
         end = BELTS[row.end.boundary]
         letters = {
-            x_i: here[0],
-            theta_i: here[1],
-            maps.x_j: ends[0],
-            maps.theta_j: ends[1],
+            x_i: start_letters[0],
+            theta_i: start_letters[1],
+            maps.x_j: end_letters[0],
+            maps.theta_j: end_letters[1],
             tau: duration,
         }
-        meaning: dict[Any, Any] = {
-            duration: (ends[1] + (0 if after else 2 * sp.pi) - here[1]) / Omega
-        }
+        # The last mapping ends at the first point, one period of the drive later.
+        if after == 0:
+            phase_at_end = end_letters[1] + 2 * sp.pi
+        else:
+            phase_at_end = end_letters[1]
+        meaning: dict[Any, Any] = {duration: (phase_at_end - start_letters[1]) / Omega}
         if row.sticks:
+            below, above = NEIGHBOURS[row.end.boundary]
+            if exit_side == "below":
+                domain_after = below
+            else:
+                domain_after = above
             f1 = maps.stick_residual()["f1"].xreplace({v_i: start})
-            f2 = force(
-                NEIGHBOURS[row.end.boundary][0 if leaves == "below" else 1],
-                maps.x_j,
-                start,
-                maps.theta_j,
-            )
+            f2 = force(domain_after, maps.x_j, start, maps.theta_j)
         else:
             f1, f2 = (
                 expr.xreplace({v_i: start, maps.v_j: end})
@@ -274,7 +281,7 @@ def pieces(scope: Scope, word: str) -> list[MappingPiece]:
                 meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
         f1, f2 = (_substituted(scope, f.xreplace(letters)) for f in (f1, f2))
         meaning = {name: _substituted(scope, value) for name, value in meaning.items()}
-        parts.append(MappingPiece(row, before, here, f1, f2, meaning))
+        parts.append(MappingPiece(row, before, start_letters, f1, f2, meaning))
     return parts
 
 
@@ -308,22 +315,6 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     p = scope.scene.parameters
     parts = pieces(scope, word)
     points = orbit_points(p, word)
-    equations: list[Any] = []
-    for i, (row, before, _, f1, f2, meaning) in enumerate(parts, 1):
-        after = i % len(parts) + 1
-        start = rf" and $\ddot{{x}}_{i} = F^{{({row.domain})}}$ at point {i}"
-        if before.sticks:
-            start = rf" and $F^{{({row.domain})}} = 0$ at point {i}, where a stick ended"
-        if after == 1:
-            turn = r" + 2\pi"
-        else:
-            turn = ""
-        equations.append(
-            rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = "
-            rf"(\theta_{after}{turn} - \theta_{i})/\Omega${'' if row.sticks else start}:"
-        )
-        check = at_root(partial(_values, parts, points, meaning), CONTEXT.mpf(10) ** -43)
-        equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
     numbers = ", ".join(scope.given())
     inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
     yield (
@@ -333,8 +324,53 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         rf"there are {2 * len(parts)} equations for the {2 * len(parts)} unknowns $x_j$, "
         r"$\theta_j$. A basis function of the flight from point $j$ is taken at its duration "
         r"$\tau_j$.",
-        equations,
+        _closing_equations(parts, points),
     )
+    yield _points_table(word, parts, points)
+    yield _forces_table(scope, word, parts, points)
+    between = _between_table(scope, word, parts, points)
+    digits = named("P")
+    followed = equation(digits, int(word[1:]), at_root(lambda: {digits: _followed(p, word)}))
+    yield (
+        rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} "
+        r"has all extreme values of the velocity inside the flights, and the least favourable "
+        r"accelerations during the sticks. The motion that starts at point 1 was also followed "
+        r"with 30 digits for one period, by the search of "
+        rf"Chapter~\ref{{sec:events}}: its events are those of $P_{{{word[1:]}}}$ and no others.",
+        between._replace(facts=(*between.facts, followed)),
+    )
+
+
+def _closing_equations(parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...]) -> list[Any]:
+    """Return f1 = 0 and f2 = 0 of each mapping, checked at the switching points, with a line of
+    text before them.
+    """
+    equations: list[Any] = []
+    for i, (row, before, _, f1, f2, meaning) in enumerate(parts, 1):
+        after = i % len(parts) + 1
+        if row.sticks:
+            start = ""
+        elif before.sticks:
+            start = rf" and $F^{{({row.domain})}} = 0$ at point {i}, where a stick ended"
+        else:
+            start = rf" and $\ddot{{x}}_{i} = F^{{({row.domain})}}$ at point {i}"
+        if after == 1:
+            turn = r" + 2\pi"
+        else:
+            turn = ""
+        equations.append(
+            rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = "
+            rf"(\theta_{after}{turn} - \theta_{i})/\Omega${start}:"
+        )
+        check = at_root(partial(_values, parts, points, meaning), CONTEXT.mpf(10) ** -43)
+        equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
+    return equations
+
+
+def _points_table(
+    word: str, parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
+) -> Table:
+    """Return the table of an orbit's switching points."""
     rows: list[Any] = [
         (
             str(j),
@@ -345,16 +381,25 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         )
         for j, ((x, theta), (row, *_)) in enumerate(zip(points, parts, strict=True), 1)
     ]
-    yield Table(
+    return Table(
         f"tab:orbits-{word}",
         rf"The switching points of $P_{{{word[1:]}}}$, to 20 decimals (half a unit of the last "
         r"one).",
         ("$j$", r"$\theta_j$", "$x_j$", "belt", "next"),
         tuple(rows),
     )
-    # The accelerations at each switching point say which case of the theorem on boundaries applies.
+
+
+def _forces_table(
+    scope: Scope, word: str, parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
+) -> Table:
+    """Return the table of the accelerations on both sides at the switching points, with checks of
+    their signs.
+
+    They say which case of the theorem on boundaries applies.
+    """
     values = _values(parts, points, {})
-    rows = []
+    rows: list[Any] = []
     signs = list[Any]()
     for j, (row, before, (x, theta), *_) in enumerate(parts, 1):
         belt = row.start.boundary
@@ -365,15 +410,15 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
                 signed.append("0")  # the stick ends where this one vanishes: an equation above
                 continue
             signed.append(decimal(f"F^{{({alpha})}}", steps.evaluate(value, values), 10))
-            # On a belt, and on the other side at the end of a stick, both hold the mass; else both
-            # push it one way.
+            # On a belt, and on the other side at the end of a stick, both hold the mass: the domain
+            # below pushes up, the one above down. Else both push into the domain of the flight.
             if row.sticks or before.sticks:
                 upward = alpha == belt
             else:
                 upward = row.domain != belt
             signs.append(step(value, ">" if upward else "<", 0, at_root(lambda: values)))
         rows.append((*signed, f"$P_{row.label[1]}$"))
-    yield Table(
+    return Table(
         f"tab:orbits-forces-{word}",
         rf"The accelerations on both sides at the switching points of $P_{{{word[1:]}}}$. By "
         r"their signs the next mapping is the one that the word demands "
@@ -382,33 +427,30 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         tuple(rows),
         tuple(signs),
     )
-    # Between the switching points no flight meets a belt, and each stick is held.
-    rows = []
+
+
+def _between_table(
+    scope: Scope, word: str, parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
+) -> Table:
+    """Return the table that shows that between the switching points no flight meets a belt, and
+    each stick is held.
+    """
+    rows: list[Any] = []
     limited = list[Any]()
     for j, piece in enumerate(parts):
-        for name, value, words, limits in _extremes(
-            scope, piece, points[j], points[(j + 1) % len(points)][1]
-        ):
+        _, theta_at_end = points[(j + 1) % len(points)]
+        for name, value, words, limits in _extremes(scope, piece, points[j], theta_at_end):
             rows.append(
                 (f"$P_{piece.row.label[1]}$ from {j + 1}", name, decimal("z", value, 8), words)
             )
             shown = sp.Float(CONTEXT.nstr(value, STEP_DIGITS), STEP_DIGITS)
             limited += [step(shown, op, bound, at_root(dict)) for op, bound in limits]
-    digits = named("P")
-    limited.append(equation(digits, int(word[1:]), at_root(lambda: {digits: _followed(p, word)})))
-    yield (
-        rf"Between the switching points nothing happens: Table~\ref{{tab:orbits-between-{word}}} "
-        r"has all extreme values of the velocity inside the flights, and the least favourable "
-        r"accelerations during the sticks. The motion that starts at point 1 was also followed "
-        r"with 30 digits for one period, by the search of "
-        rf"Chapter~\ref{{sec:events}}: its events are those of $P_{{{word[1:]}}}$ and no others.",
-        Table(
-            f"tab:orbits-between-{word}",
-            rf"Between the switching points of $P_{{{word[1:]}}}$.",
-            ("piece", "what", "value", "has to be"),
-            tuple(rows),
-            tuple(limited),
-        ),
+    return Table(
+        f"tab:orbits-between-{word}",
+        rf"Between the switching points of $P_{{{word[1:]}}}$.",
+        ("piece", "what", "value", "has to be"),
+        tuple(rows),
+        tuple(limited),
     )
 
 
@@ -420,6 +462,7 @@ def _followed(p: Parameters, word: str) -> Any:
     orbit = find_orbit(p, word, digits=STEP_DIGITS)
     (x, theta), *_ = orbit_points(p, word)
     t = theta / steps.number(p.Omega)
+    # A little more than a period, so that the last mapping ends before.
     end = CONTEXT.mpf(t) + CONTEXT.mpf("1.001") * CONTEXT.mpf(orbit.period)
     start = {
         "t0": CONTEXT.nstr(t, 42),
@@ -429,7 +472,9 @@ def _followed(p: Parameters, word: str) -> Any:
     motion = simulate(
         p, **start, t_end=CONTEXT.nstr(end, 20), digits=30, start_error=("1e-40", "1e-40", 0)
     )
-    return sp.Integer("".join(label[1] for label in reversed(motion.word[: len(word) - 1])))
+    # A word such as P4645 is read from right to left, one digit for each mapping.
+    mappings = motion.word[: len(word) - 1]
+    return sp.Integer("".join(label[1] for label in reversed(mappings)))
 
 
 #: The functions of `lambdify` in numbers of 60 digits.
@@ -461,26 +506,27 @@ def _extremes(
         return value, _zeros(rate, duration)
 
     if row.sticks:
+        # Domain `belt` is below the belt and pushes up during a stick, domain belt + 1 down.
         for alpha, op, best, words in ((belt, ">", min, "least"), (belt + 1, "<", max, "largest")):
             held = force(alpha, x_i + speed * tau, speed, theta_i + Omega * tau)
-            value, places = extremes(held, held.diff(tau))
+            value, times = extremes(held, held.diff(tau))
             # The end of the stick, where one of both forces is 0, is left out.
             worst = best(
-                value(at) for at in (CONTEXT.mpf(0), *places, duration * CONTEXT.mpf("0.9"))
+                value(at) for at in (CONTEXT.mpf(0), *times, duration * CONTEXT.mpf("0.9"))
             )
             yield rf"{words} $F^{{({alpha})}}$ on $[0, 0.9\tau]$", worst, f"${op} 0$", [(op, 0)]
         return
-    known = {a_i: force(row.domain, x_i, speed, theta_i), v_i: speed}
-    value, places = extremes(
-        *(part.xreplace(known) for part in solution.flow(scope.regimes[0])[1:])
-    )
+    start_values = {a_i: force(row.domain, x_i, speed, theta_i), v_i: speed}
+    flow = solution.flow(scope.regimes[0])
+    value, times = extremes(flow.v.xreplace(start_values), flow.a.xreplace(start_values))
+    # Domain n is above the speed of belt n - 1 and below that of belt n, where there are such.
     limits = [
         (op, scope.numbers[BELTS[b]])
         for op, b in ((">", row.domain - 1), ("<", row.domain))
         if b in BELTS
     ]
     words = {1: "$< v_1$", 2: "between $v_1$ and $v_2$", 3: "$> v_2$"}[row.domain]
-    for at in places:
+    for at in times:
         yield r"extreme of $\dot{x}$", value(at), words, limits
 
 
@@ -488,6 +534,7 @@ def _zeros(function: Any, duration: Any) -> list[Any]:
     """Return the zeros of a function in (0, duration), one for each sign change between neighbours
     on a grid.
     """
+    # The grid has no point at either end: the function may be 0 there.
     grid = pairwise(duration * (n + CONTEXT.mpf("0.5")) / 120 for n in range(120))
-    turns = [ends for ends in grid if (function(ends[0]) > 0) != (function(ends[1]) > 0)]
-    return [CONTEXT.clone().findroot(function, ends, solver="anderson") for ends in turns]
+    brackets = [ends for ends in grid if (function(ends[0]) > 0) != (function(ends[1]) > 0)]
+    return [CONTEXT.clone().findroot(function, ends, solver="anderson") for ends in brackets]

@@ -26,6 +26,8 @@ from symosc.symbolic.latex import latex, named
 from symosc.symbolic.solution import B0, FN, Omega, a_i, k, m, t, tau, theta, theta_i, v, x_i
 
 TITLE = "Sticks and their two ends"
+#: The paper's equation for the end of a stick on each belt: F^(alpha) above the belt rises to 0.
+PAPER_EXITS = {1: 52, 2: 53}
 
 
 def force_on_belt(phase: Any) -> Any:
@@ -33,20 +35,22 @@ def force_on_belt(phase: Any) -> Any:
 
     `phase` is theta at that time.
     """
-    here = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
-    return a_i + here - solution.acceleration(x_i, v_lambda, theta_i)
+    # In the difference A_alpha cancels, so that one formula serves both sides of the belt.
+    later = solution.acceleration(x_i + v_lambda * tau, v_lambda, phase)
+    return a_i + later - solution.acceleration(x_i, v_lambda, theta_i)
 
 
 def rate() -> Step:
-    """Return the step on the rate at which the accelerations on both sides of a belt change during
-    a stick.
-    """
-    moving = solution.in_paper_letters(
-        solution.acceleration(x_i + v_lambda * (t - solution.t_i), v_lambda, theta)
-    )
-    change = (m * moving.diff(t)).subs(Omega * t, theta)
+    """Return the step on dF^(alpha)/dt during a stick, which both sides of the belt share."""
+    position = x_i + v_lambda * (t - solution.t_i)
+    # `in_paper_letters` writes theta as Omega t, so that .diff(t) differentiates the phase too.
+    force_in_time = solution.in_paper_letters(solution.acceleration(position, v_lambda, theta))
+    rate_of_force = (m * force_in_time.diff(t)).subs(Omega * t, theta)
     return equation(
-        named(r"m\dot{F}^{(\alpha)}"), -(k * v_lambda + B0 * Omega * sp.sin(theta)), change, "rate"
+        named(r"m\dot{F}^{(\alpha)}"),
+        -(k * v_lambda + B0 * Omega * sp.sin(theta)),
+        rate_of_force,
+        "rate",
     )
 
 
@@ -54,9 +58,9 @@ def force(belt: int, alpha: int, label: str = "") -> Step:
     """Return the step with the formula of m F^(alpha) at the speed of `belt`, checked by Newton's
     law.
     """
-    at = {v: BELTS[belt], Omega * t: theta}
-    right = sp.expand(m * acceleration(alpha).subs(at))
-    return equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(at)}, label)
+    on_belt = {v: BELTS[belt], Omega * t: theta}
+    right = sp.expand(m * acceleration(alpha).subs(on_belt))
+    return equation(m * F(alpha), right, {F(alpha): newton(alpha).subs(on_belt)}, label)
 
 
 def items(scope: Scope) -> Items:
@@ -126,15 +130,15 @@ def items(scope: Scope) -> Items:
     for belt in scope.boundaries:
         for alpha in NEIGHBOURS[belt]:
             if alpha == belt:
-                way = "falls"
+                change = "falls"
                 paper = "not in the paper"
             else:
-                way = "rises"
-                paper = f"the paper's ({51 + belt})"
+                change = "rises"
+                paper = f"the paper's ({PAPER_EXITS[belt]})"
             rows.append(
                 (
                     str(belt),
-                    rf"$F^{{({alpha})}}$ {way}",
+                    rf"$F^{{({alpha})}}$ {change}",
                     rf"$\Omega_{alpha}$",
                     paper,
                     force(belt, alpha),
@@ -163,9 +167,9 @@ def items(scope: Scope) -> Items:
     per_turn = (
         force_on_belt(theta_i + Omega * tau).subs(tau, 2 * sp.pi / Omega).rewrite(sp.cos) - a_i
     )
-    change = sp.simplify(per_turn.xreplace(solution.PAPER_LETTERS))
-    turned = equation(turn, -2 * sp.pi * k * v_lambda / (m * Omega), {turn: change})
-    still = equation(turn, 0, {turn: change.subs(k, 0)})
+    gain = sp.simplify(per_turn.xreplace(solution.PAPER_LETTERS))
+    turned = equation(turn, -2 * sp.pi * k * v_lambda / (m * Omega), {turn: gain})
+    still = equation(turn, 0, {turn: gain.subs(k, 0)})
     period = equation(
         named(r"\mathcal{T}"), 2 * sp.pi / Omega, sp.solve(Omega * t - 2 * sp.pi, t)[0]
     )

@@ -172,12 +172,12 @@ def gap_series(order: int) -> Any:
     rates = sp.symbols(f"g_1:{order + 1}")
     gap = sp.Add(*(rate * tau**n for n, rate in enumerate(rates, 1)))
     drive = B0 * Omega * sp.sin(theta_i + Omega * tau)
-    rest = m * gap.diff(tau, 2) + c * gap.diff(tau) + k * (gap + v_lambda) + drive
-    known = {rates[0]: balance(x_i, v_lambda, theta_i)}
+    residual = m * gap.diff(tau, 2) + c * gap.diff(tau) + k * (gap + v_lambda) + drive
+    solved = {rates[0]: balance(x_i, v_lambda, theta_i)}
     for n, rate in enumerate(rates[1:]):
-        condition = rest.diff(tau, n).subs(tau, 0).subs(known)  # linear in the rate
-        known[rate] = -condition.subs(rate, 0) / condition.diff(rate)
-    return gap.subs(known)
+        condition = residual.diff(tau, n).subs(tau, 0).subs(solved)  # linear in the rate
+        solved[rate] = -condition.subs(rate, 0) / condition.diff(rate)
+    return gap.subs(solved)
 
 
 def _gap_derivative(order: int) -> Any:
@@ -185,8 +185,8 @@ def _gap_derivative(order: int) -> Any:
     straight boundary.
     """
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
-    first, second, way = (sp.Function(name)(t) for name in ("X", "Y", "s"))
-    gap = n1 * (first - p1 + n2 * way) + n2 * (second - p2 - n1 * way)
+    first, second, moved = (sp.Function(name)(t) for name in ("X", "Y", "s"))
+    gap = n1 * (first - p1 + n2 * moved) + n2 * (second - p2 - n1 * moved)
     right = n1 * first.diff(t, order) + n2 * second.diff(t, order)
     return equation(gap.diff(t, order), right, exact())
 
@@ -194,8 +194,8 @@ def _gap_derivative(order: int) -> Any:
 def at_belt(label: str) -> Step:
     """Return the step on G^(1) at a belt's speed, in terms of the acceleration there."""
     true = {G(1): solution.g_function(1), F(r"\alpha"): solution.acceleration()}
-    at = {Omega * t: theta, v: v_lambda}
-    true = {name: solution.in_paper_letters(value).subs(at) for name, value in true.items()}
+    on_belt = {Omega * t: theta, v: v_lambda}
+    true = {name: solution.in_paper_letters(value).subs(on_belt) for name, value in true.items()}
     return equation(
         G(1), -c * F(r"\alpha") / m - k * v_lambda / m - B0 * Omega * sp.sin(theta) / m, true, label
     )

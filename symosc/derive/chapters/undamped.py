@@ -104,12 +104,12 @@ def _bounded() -> Items:
 
 def _recurrent() -> Items:
     """Return the items on the motions to which all others tend."""
-    place = named("y")
+    y = named("y")
     rate = named(r"\dot{y}")
     bend = named(r"\ddot{y}")
     forces = named(r"(f - \tilde{f})")
     energy = named(r"\dot{W}")
-    meaning = {energy: m * rate * bend + k * place * rate, bend: (forces - k * place) / m}
+    meaning = {energy: m * rate * bend + k * y * rate, bend: (forces - k * y) / m}
     yield (
         r"\subsection{To what all motions tend}",
         r"\begin{lemma}[constant distance]\label{thm:undamped-distance} Let the difference $y$ of "
@@ -344,10 +344,11 @@ def radius(p: Parameters) -> Any:
     """Return R of the motion from rest at `START`, at its last event in `PERIODS` periods."""
     last = simulate(p, t0=0, x0=START, v0=0, t_end=f"{PERIODS}T").events[-1]
     steady = number(p.B0) / (number(p.k) - number(p.m) * number(p.Omega) ** 2)
-    wave = number(p.Omega) * number(last.t)
-    place = number(last.x) - steady * CONTEXT.cos(wave)
-    speed = number(last.v) + steady * number(p.Omega) * CONTEXT.sin(wave)
-    return CONTEXT.sqrt(place**2 + speed**2 * number(p.m) / number(p.k))
+    phase = number(p.Omega) * number(last.t)
+    # The position and velocity of the free part: what is left of the state without the response.
+    free_x = number(last.x) - steady * CONTEXT.cos(phase)
+    free_v = number(last.v) + steady * number(p.Omega) * CONTEXT.sin(phase)
+    return CONTEXT.sqrt(free_x**2 + free_v**2 * number(p.m) / number(p.k))
 
 
 def response(p: Parameters) -> tuple[Any, Any]:
@@ -526,18 +527,7 @@ def _examples() -> Items:
     largest = named(r"V_0 + \omega_0 R")
     start = named("x_0")
     limit = named(r"\tfrac{1}{2}\sqrt{3}\,V_0")
-    rows: list[tuple[Any, ...]] = []
-    for amplitude in AMPLITUDES:
-        p = between(2, 2, amplitude)
-        known = (1 - CONTEXT.mpf(response(p)[1].p) / response(p)[1].q) / CONTEXT.sqrt(2)
-        rows.append(
-            (
-                decimal("z", number(p.B0), 2),
-                decimal("z", known, DECIMALS),
-                decimal("z", radius(p), DECIMALS, close(partial(CONTEXT.mpf, known), DECIMALS)),
-            )
-        )
-    rest, numbers = valued({named("x"): sp.Integer(START)})
+    start_text, numbers = valued({named("x"): sp.Integer(START)})
     yield (
         r"\begin{example}[the period $2T$]\label{thm:undamped-doubled} Let $m = k = F_N = 1$, $A_0 "
         r"= 0$, $v_1 = -1$, $v_2 = 1$, $\mu_1 = \mu_2 = \frac{1}{5}$, here and below, and $\Omega "
@@ -567,9 +557,9 @@ def _examples() -> Items:
             "tab:undamped-radius",
             rf"The amplitude $R$ of the free part in Example~\ref{{thm:undamped-tori}}: the limit "
             rf"by Theorem~\ref{{thm:undamped-free}} (iv), and at the last event in {PERIODS} "
-            rf"periods by \texttt{{simulate}}, from rest at {rest}, to {DECIMALS} decimals.",
+            rf"periods by \texttt{{simulate}}, from rest at {start_text}, to {DECIMALS} decimals.",
             ("$B_0$", "$R_*$", "run"),
-            tuple(rows),
+            tuple(map(_radius_row, AMPLITUDES)),
             numbers,
             columns="rrr",
         ),
@@ -588,6 +578,20 @@ def _examples() -> Items:
             {start: FIXED * sp.Rational(19, 18), FIXED: response(harmonic)[0]},
         ),
         r"has no events.\end{example}",
+    )
+
+
+def _radius_row(amplitude: str) -> tuple[Step, Step, Step]:
+    """Return a row of the table of tori: B_0, R_* by the theorem, and R at the end of a motion."""
+    parameters = between(2, 2, amplitude)
+    _, speed = response(parameters)
+    # R_* = (w - V_0)/omega_0, with w = 1 for the belts at -1 and 1, and omega_0 = sqrt(2).
+    limit = (1 - CONTEXT.mpf(speed.p) / speed.q) / CONTEXT.sqrt(2)
+    agrees = close(partial(CONTEXT.mpf, limit), DECIMALS)
+    return (
+        decimal("z", number(parameters.B0), 2),
+        decimal("z", limit, DECIMALS),
+        decimal("z", radius(parameters), DECIMALS, agrees),
     )
 
 

@@ -30,11 +30,11 @@ SERIES_TERMS = 6
 #: Sines and cosines of phases: the quarters of the circle, and rational points between them.
 QUARTER_POINTS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 RATIONAL_PHASES = tuple((Fraction(s), Fraction(c)) for s, c in QUARTER_POINTS) + tuple(
-    (Fraction(a * x, hypotenuse), Fraction(b * y, hypotenuse))
-    for leg, other, hypotenuse in ((3, 4, 5), (5, 12, 13))
-    for x, y in ((leg, other), (other, leg))
-    for a in (1, -1)
-    for b in (1, -1)
+    (Fraction(sign_s * s, hypotenuse), Fraction(sign_c * c, hypotenuse))
+    for short, long, hypotenuse in ((3, 4, 5), (5, 12, 13))
+    for s, c in ((short, long), (long, short))
+    for sign_s in (1, -1)
+    for sign_c in (1, -1)
 )
 
 
@@ -79,7 +79,8 @@ class RationalContact:
 
     def slope(self, alpha: int) -> Fraction:
         """Return G^(1,alpha) = dF^(alpha)/dt along the flow of the domain."""
-        return self._motion[alpha][3]
+        _, _, _, third, *_ = self._motion[alpha]
+        return third
 
     @cached_property
     def _motion(self) -> dict[int, list[Fraction]]:
@@ -87,21 +88,18 @@ class RationalContact:
         this domain.
         """
         p = self.p
-        found = {}
-        waves = (
-            self.c,
-            -self.s,
-            -self.c,
-            self.s,
-        )  # cos(theta) and its derivatives with respect to theta
+        derivatives = {}
+        # cos(theta) and its derivatives with respect to theta
+        waves = (self.c, -self.s, -self.c, self.s)
         for alpha in self.domains:
             x = [self.x, self.speed]
             constant = p.A0 + friction_on_mass(p, alpha)
+            # The equation of motion, differentiated n times, gives derivative n + 2.
             for n in range(SERIES_TERMS - 1):
                 force = p.B0 * p.Omega**n * waves[n % 4] + (constant if n == 0 else 0)
                 x.append((force - p.c * x[n + 1] - p.k * x[n]) / p.m)
-            found[alpha] = x
-        return found
+            derivatives[alpha] = x
+        return derivatives
 
     def side(self, alpha: int, after: bool) -> int:
         """Return the sign of x' minus belt speed just before or `after` the contact, by the flow of
@@ -111,7 +109,9 @@ class RationalContact:
             t = SHORT
         else:
             t = -SHORT
-        value = sum(each * t**n / factorial(n) for n, each in enumerate(self._motion[alpha][2:], 1))
+        # The power series of x' - v_lambda: x'' t + x''' t^2/2 + ...
+        _, _, *derivatives = self._motion[alpha]
+        value = sum(slope * t**n / factorial(n) for n, slope in enumerate(derivatives, 1))
         return (value > 0) - (value < 0)
 
     def derivatives(self, alpha: int) -> tuple[Fraction, ...]:
@@ -150,10 +150,10 @@ class RationalContact:
         after the contact.
         """
         if alpha == self.boundary:
-            own = -1
+            side_of_domain = -1
         else:
-            own = 1
-        return self.side(alpha, after=False) == self.side(alpha, after=True) == own
+            side_of_domain = 1
+        return self.side(alpha, after=False) == self.side(alpha, after=True) == side_of_domain
 
     def __str__(self) -> str:
         values = ", ".join(f"{name} = {value}" for name, value in self.p.as_dict().items())
@@ -176,9 +176,10 @@ def contacts(
     def positive(top: int = 12) -> Fraction:
         return Fraction(draw.randint(1, top), draw.randint(1, 4))
 
-    found = []
+    drawn = []
     (lo, hi) = NEIGHBOURS[boundary]
     for number in range(count):
+        # 0 (twice as often): generic; 1, 3: F = 0 above; 2, 4: F = 0 below; 3, 4: G^(1) = 0 too.
         kind = max(number % 6 - 1, 0)
         v1 = Fraction(draw.randint(-8, 8), draw.randint(1, 4))
         mu1 = positive(4)
@@ -197,12 +198,13 @@ def contacts(
                 p = p.replace(v1=v, v2=v + 1)
             else:
                 p = p.replace(v1=v - 1, v2=v)
+        # The force falls with x by k/m: at x = m F/k, with F taken at x = 0, it vanishes.
         origin = RationalContact(p, boundary, Fraction(0), s, c)
-        held = origin.force(hi if kind % 2 else lo)
+        at_origin = origin.force(hi if kind % 2 else lo)
         if kind == 0:  # anywhere from far below the two forces' zeros to far above them
-            held -= (origin.force(lo) - origin.force(hi)) * Fraction(draw.randint(-5, 10), 5)
-        found.append(RationalContact(p, boundary, p.m * held / p.k, s, c))
-    return tuple(found)
+            at_origin -= (origin.force(lo) - origin.force(hi)) * Fraction(draw.randint(-5, 10), 5)
+        drawn.append(RationalContact(p, boundary, p.m * at_origin / p.k, s, c))
+    return tuple(drawn)
 
 
 def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
@@ -234,21 +236,22 @@ def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]
     half = cmath.sqrt(c * c - 4 * m * k) / (2 * m)
     if abs(half) < FAR_APART * c / m:
         half = FAR_APART * c / m
-    one = -c / (2 * m) + half
-    two = -c / (2 * m) - half
-    swing = B0 / (k - m * Omega**2 + 1j * c * Omega)
+    root_1 = -c / (2 * m) + half
+    root_2 = -c / (2 * m) - half
+    amplitude = B0 / (k - m * Omega**2 + 1j * c * Omega)
 
     def steady(time: Any) -> tuple[Any, Any]:
-        turning = swing * np.exp(1j * Omega * np.asarray(time))
+        turning = amplitude * np.exp(1j * Omega * np.asarray(time))
         return float(A) / k + turning.real, (1j * Omega * turning).real
 
+    # The rest is a sum of exp(root t) with the values that the start demands.
     x_s, v_s = steady(t0)
-    a = (v0 - v_s - two * (x0 - x_s)) / (one - two)
-    b = x0 - x_s - a
-    first = a * np.exp(one * (np.asarray(t) - t0))
-    second = b * np.exp(two * (np.asarray(t) - t0))
+    start_1 = (v0 - v_s - root_2 * (x0 - x_s)) / (root_1 - root_2)
+    start_2 = x0 - x_s - start_1
+    part_1 = start_1 * np.exp(root_1 * (np.asarray(t) - t0))
+    part_2 = start_2 * np.exp(root_2 * (np.asarray(t) - t0))
     x, v = steady(t)
-    return x + (first + second).real, v + (one * first + two * second).real
+    return x + (part_1 + part_2).real, v + (root_1 * part_1 + root_2 * part_2).real
 
 
 def dop853(

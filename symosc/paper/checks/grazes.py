@@ -133,10 +133,9 @@ def reaches_belt(scene: Scene, belt: int) -> Evidence:
         )
     finding = (
         f"There is no contact, ever: until t = {LATE} the velocity rises to {text(v_max, 7)} "
-        f"({speed} = "
+        f"({speed} = {text(p.belt(belt))}), and what it tends to has the amplitude √{text(square)} "
+        f"= {text(float(square) ** 0.5, 6)}, whatever A₀ is."
     )
-    finding += f"{text(p.belt(belt))}), and what it tends to has the amplitude √{text(square)} = "
-    finding += f"{text(float(square) ** 0.5, 6)}, whatever A₀ is."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
@@ -152,14 +151,15 @@ def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[floa
     """Return the time and the value of the highest velocity of a flight in domain 1, from the time
     `since` on.
     """
-    times = np.linspace(
-        float(path.t_start) if since is None else since, float(path.t_end), GRAZE_SAMPLES
-    )
-    i = int(np.argmax(path(times)[1]))
-    top = float(times[i])
+    if since is None:
+        since = float(path.t_start)
+    times = np.linspace(since, float(path.t_end), GRAZE_SAMPLES)
+    _, velocities = path(times)
+    i = int(np.argmax(velocities))
+    t_max = float(times[i])
     if 0 < i < GRAZE_SAMPLES - 1:
-        top = brentq(lambda t: float(path.force(1, t)), times[i - 1], times[i + 1], xtol=1e-13)
-    return top, float(path(top)[1])
+        t_max = brentq(lambda t: float(path.force(1, t)), times[i - 1], times[i + 1], xtol=1e-13)
+    return t_max, float(path(t_max)[1])
 
 
 def no_contact_since(path: Trajectory, belt: int) -> float:
@@ -189,35 +189,39 @@ def tangential(figure: Graze) -> Evidence:
     """Check that the motion grazes the belt at the figure's red point, from the printed and from
     the exact start.
     """
-    printed, scene, p = motion(figure.printed), exact(figure), figure.scene.parameters
+    printed = motion(figure.printed)
+    scene = exact(figure)
+    p = figure.scene.parameters
     numbers = {"contacts as printed until the first slip": contacts_text(printed)}
     if p != figure.printed.parameters:
         numbers["contacts with the corrected parameter"] = contacts_text(motion(figure.scene))
-    at = scene_contacts(scene)[0]
+    contact = scene_contacts(scene)[0]
     event = motion(scene).events[0]
-    side = figure.place.domain
-    force = forces(p, at)[side - NEIGHBOURS[at.belt][0]]
-    name = force_names(side)
-    order = is_grazing(p, figure.mapping, at.x, at.theta)
-    grazes = event.kind == "graze" and is_zero(force) and order.grazing
+    domain = figure.place.domain
+    below, above, _ = forces(p, contact)
+    if domain == NEIGHBOURS[contact.belt][0]:
+        force = below
+    else:
+        force = above
+    name = force_names(domain)
+    touch = is_grazing(p, figure.mapping, contact.x, contact.theta)
+    slope = touch.values[-1]
+    grazes = event.kind == "graze" and is_zero(force) and touch.grazing
     numbers["t, x of the red point from the exact start"] = (
         f"{text(event.t, 25)}, {text(event.x, 12)}"
     )
-    numbers[f"{name}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(order.values[-1], 12)}"
+    numbers[f"{name}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(slope, 12)}"
     finding = (
         f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt "
-        f"{at.belt} at "
+        f"{contact.belt} at t = {text(event.t, 12)}, with {name} = {force_text(force)} and G⁽¹⁾ = "
+        f"{text(slope, 6)}."
     )
-    finding += (
-        f"t = {text(event.t, 12)}, with {name} = {force_text(force)} and G⁽¹⁾ = "
-        f"{text(order.values[-1], 6)}."
-    )
-    usual = motion(figure.scene).events
-    if len(usual) > 1 and usual[0].kind == "stick":
-        lasts = usual[1].t - usual[0].t
-        numbers["stick in place of the graze, from the printed start, lasts"] = text(lasts, 12)
+    rounded = motion(figure.scene).events
+    if len(rounded) > 1 and rounded[0].kind == "stick":
+        duration = rounded[1].t - rounded[0].t
+        numbers["stick in place of the graze, from the printed start, lasts"] = text(duration, 12)
         finding += (
-            f" From the printed digits it overshoots and sticks for a time of {text(lasts, 4)}."
+            f" From the printed digits it overshoots and sticks for a time of {text(duration, 4)}."
         )
     if not printed.events:
         finding += " With the printed parameters there is no contact at all."
@@ -232,6 +236,7 @@ def touches_once(figure: Graze) -> Evidence:
     path = motion(exact(figure), LATE)
     printed = motion(figure.printed, LATE)
     after = no_contact_since(path, belt)
+    # From 1 after the graze on: at the graze itself the velocity is that of the belt.
     t, v = highest_velocity(path, float(path.events[0].t) + 1)
     numbers = {
         f"contacts until t = {LATE}, exact start": str(len(path.events)),
@@ -241,44 +246,36 @@ def touches_once(figure: Graze) -> Evidence:
     }
     finding = (
         f"From the exact start mass and belt {belt} have the same velocity at t = "
-        f"{text(path.events[0].t, 12)} "
-    )
-    finding += (
-        "only, where the mass meets the red point's curve, and never again: later ẋ is at most "
-        f"{text(v, 5)}."
+        f"{text(path.events[0].t, 12)} only, where the mass meets the red point's curve, and never "
+        f"again: later ẋ is at most {text(v, 5)}."
     )
     as_printed, once = (
-        [event.kind for event in each.events] == ["graze"] for each in (printed, path)
+        [event.kind for event in trajectory.events] == ["graze"] for trajectory in (printed, path)
     )
     return Evidence(verdict(as_printed, once and after < LATE), finding, numbers)
 
 
 def of_mapping(figure: Graze) -> Evidence:
     """Check that a motion of the figure's mapping ends, or begins, at the graze."""
-    found = figure.flow_back(to_start=False)
+    before = figure.flow_back(to_start=False)
     name = subscripted(figure.mapping)
     word = motion(exact(figure)).word
     follows = word[:1] == [figure.mapping]
-    t = found.t + figure.flow_back().t_m - found.t_m
+    # Both flow back from the same graze, but may put it into different periods of the drive.
+    t = before.t + figure.flow_back().t_m - before.t_m
     numbers = {
-        f"comes from the plane of {name}": "yes" if found.found else "no",
+        f"comes from the plane of {name}": "yes" if before.found else "no",
         "mappings that follow": subscripted(" ".join(word)) or "none",
-        "last contact before: t, x, belt": f"{text((t, found.x), 12)}, {found.boundary}",
+        "last contact before: t, x, belt": f"{text((t, before.x), 12)}, {before.boundary}",
     }
     finding = (
-        f"Flowing back, the motion came from belt {found.boundary} at t = {text(t, 9)}, x = "
-        f"{text(found.x, 9)}: "
+        f"Flowing back, the motion came from belt {before.boundary} at t = {text(t, 9)}, x = "
+        f"{text(before.x, 9)}: so {'a' if before.found else 'no'} {name} ends in it; "
+        f"{'a' if follows else 'no'} {name} begins at it."
     )
-    finding += (
-        f"so {'a' if found.found else 'no'} {name} ends in it; {'a' if follows else 'no'} {name} "
-        "begins at it."
-    )
-    either = found.found or follows
-    return Evidence(
-        verdict(either and figure.scene.parameters == figure.printed.parameters, either),
-        finding,
-        numbers,
-    )
+    either = before.found or follows
+    as_printed = either and figure.scene.parameters == figure.printed.parameters
+    return Evidence(verdict(as_printed, either), finding, numbers)
 
 
 def in_window(figure: Graze) -> Evidence:
@@ -290,9 +287,9 @@ def in_window(figure: Graze) -> Evidence:
     scene = exact(figure)
     window = grazing_window(p, mapping, "paper")
     event = next(e for e in motion(scene).events if e.kind == "graze")
-    at = scene_contacts(scene)[0]
+    contact = scene_contacts(scene)[0]
     inside = window.contains(figure.half_turns * mp_context(60).pi)
-    touch = is_grazing(p, mapping, at.x, at.theta)
+    touch = is_grazing(p, mapping, contact.x, contact.theta)
     numbers = {
         "γ, B₀Ω/m": text((window.gamma, window.amplitude)),
         "case": window.case,
@@ -301,12 +298,9 @@ def in_window(figure: Graze) -> Evidence:
     }
     finding = (
         f"γ = {text(window.gamma)} and B₀Ω/m = {text(window.amplitude)}, in rational numbers: case "
-    )
-    finding += (
         f"{window.case}. Its window contains Ωt = {'π' if figure.half_turns else '0'}, and the "
-        "flow touches "
+        f"flow touches with order 1, G⁽¹⁾ = {touch.values[-1]:.6g}."
     )
-    finding += f"with order 1, G⁽¹⁾ = {touch.values[-1]:.6g}."
     return evidence(inside and touch.grazing and touch.order == 1, finding, numbers)
 
 
@@ -318,7 +312,8 @@ def returns(scene: Scene, periods: int) -> list[tuple[float, float]]:
     drive.
     """
     times = float(scene.t0) + 2 * pi / float(scene.parameters.Omega) * np.arange(periods + 1)
-    return [(float(dx), float(dv)) for dx, dv in np.diff(motion(scene, LATE)(times), axis=1).T]
+    states = motion(scene, LATE)(times)
+    return [(float(dx), float(dv)) for dx, dv in np.diff(states, axis=1).T]
 
 
 def same_point(figure: Graze) -> Evidence:
@@ -330,7 +325,8 @@ def same_point(figure: Graze) -> Evidence:
     printed = returns(figure.printed, 1)[0]
     blue = path(float(path.t_start))
     green = path(float(path.t_start) + 2 * pi / float(figure.scene.parameters.Omega))
-    same, as_printed = (max(map(abs, each)) <= LAST_HALF_UNIT for each in (change, printed))
+    same = max(map(abs, change)) <= LAST_HALF_UNIT
+    as_printed = max(map(abs, printed)) <= LAST_HALF_UNIT
     numbers = {
         "x, ẋ at the blue point": text(blue, 10),
         "x, ẋ at the green point": text(green, 10),
@@ -339,8 +335,8 @@ def same_point(figure: Graze) -> Evidence:
     }
     finding = (
         f"One period after the start the mass is at (x, ẋ) = ({text(green, 7)}), and it was at "
+        f"({text(blue, 7)}): {'one point' if same else 'two points'} of the phase plane."
     )
-    finding += f"({text(blue, 7)}): {'one point' if same else 'two points'} of the phase plane."
     return Evidence(verdict(as_printed, same), finding, numbers)
 
 
@@ -370,21 +366,17 @@ def periodic(figure: Graze) -> Evidence:
         ),
     }
     if fixed:
-        what = "periodic"
+        description = "periodic"
+    elif approaches:
+        description = "not periodic, but approaching a periodic motion"
     else:
-        what = "not periodic"
-    if approaches and not fixed:
-        what += ", but approaching a periodic motion"
+        description = "not periodic"
     finding = (
         f"(x, ẋ) changes by {text(changes[0], 6)} over the first period, by {text(changes[1], 6)} "
-        "over the next: "
+        f"over the next: {description}. The periodic motion has the velocity amplitude "
+        f"√{text(square)} = {text(float(square) ** 0.5, 5)} and "
+        f"{'can' if square >= level else 'never can'} touch v₁ = {text(p.v1)}, whatever A₀ is."
     )
-    finding += f"{what}. The periodic motion has the velocity amplitude √{text(square)} = "
-    finding += (
-        f"{text(float(square) ** 0.5, 5)} and {'can' if square >= level else 'never can'} touch v₁ "
-        "= "
-    )
-    finding += f"{text(p.v1)}, whatever A₀ is."
     return Evidence(verdict(fixed, approaches), finding, numbers)
 
 
@@ -423,17 +415,16 @@ def sticks_later(figure: Graze) -> Evidence:
     least = min(map(len, contacts))
     if least < 2:
         raise Refuted("No contact follows.", {"contacts": least})
-    printed, true = (events[1] for events in contacts)
-    held = {(each.kind, each.boundary) for each in (printed, true)} == {("stick", belt)}
+    printed, true = (second for _, second, *_ in contacts)
+    held = {(event.kind, event.boundary) for event in (printed, true)} == {("stick", belt)}
     numbers = {
-        f"t, x of the next contact, {name} start": f"{text(each.t, 16)}, {text(each.x, 12)}"
-        for name, each in (("printed", printed), ("exact", true))
+        f"t, x of the next contact, {name} start": f"{text(event.t, 16)}, {text(event.x, 12)}"
+        for name, event in (("printed", printed), ("exact", true))
     }
     finding = (
         f"The next contact is at t = {text(true.t, 11)} from the exact start "
-        f"({text(printed.t, 11)} from the "
+        f"({text(printed.t, 11)} from the printed one): there the mass sticks to belt {belt}."
     )
-    finding += f"printed one): there the mass sticks to belt {belt}."
     return evidence(held, finding, numbers)
 
 
@@ -442,9 +433,12 @@ def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
     the exact start.
     """
     checks = {"together": together, "forces_hold": forces_hold, "flight_after": flight_after}
-    return checks[check](
-        exact(figure, Fraction(10) if domains else None), figure.place.boundary, *domains
-    )
+    # The flight after the stick needs the next contact, which is later than the scene's end.
+    if domains:
+        scene = exact(figure, Fraction(10))
+    else:
+        scene = exact(figure)
+    return checks[check](scene, figure.place.boundary, *domains)
 
 
 def curves_meet(figure: Graze) -> Evidence:
@@ -463,9 +457,9 @@ def curves_meet(figure: Graze) -> Evidence:
     p = figure.scene.parameters
     numbers = {
         f"modes of motion, {name} start": ", ".join(
-            mode_text(segment.mode) for segment in each.segments
+            mode_text(segment.mode) for segment in trajectory.segments
         )
-        for name, each in (("exact", path), ("printed", printed))
+        for name, trajectory in (("exact", path), ("printed", printed))
     }
     red, blue = path.events[:2]
     ahead = blue.x - (red.x + number(p, p.v1) * (blue.t - red.t))
@@ -473,14 +467,10 @@ def curves_meet(figure: Graze) -> Evidence:
     held = as_described(path)
     finding = (
         f"From the exact start the mass gets ahead of the red point's curve, by {text(ahead, 6)} "
-        "at the blue "
-    )
-    finding += (
-        "point, and "
+        "at the blue point, and "
         f"{'meets the curves as described only' if held else 'meets the curves elsewhere too'}. "
-        "From "
+        f"From the printed start there is a {printed.events[0].kind} at the red point."
     )
-    finding += f"the printed start there is a {printed.events[0].kind} at the red point."
     return Evidence(
         verdict(as_described(printed) or (held and figure.print_is_right), held), finding, numbers
     )
@@ -503,35 +493,44 @@ def contact_or_misprint(figure: Graze) -> Evidence:
         return as_printed
     names = (*PARAMETER_NAMES, *START)
     numbers = dict(as_printed.numbers)
-    found = [value for name in names for value in values_that_graze(scene, figure.mapping, name)]
+    grazing = [value for name in names for value in values_that_graze(scene, figure.mapping, name)]
     for name in names:
-        values = [
-            f"{each.shortest} (graze at t = {each.t_m:.6g})" for each in found if each.name == name
+        texts = [
+            f"{value.shortest} (graze at t = {value.t_m:.6g})"
+            for value in grazing
+            if value.name == name
         ]
-        numbers[f"{name} free: values that graze"] = "; ".join(values) or "none"
-    finding = f"{as_printed.finding} With one number changed it grazes: {misprints(scene, found)}."
+        numbers[f"{name} free: values that graze"] = "; ".join(texts) or "none"
+    finding = (
+        f"{as_printed.finding} With one number changed it grazes: {misprints(scene, grazing)}."
+    )
     return Evidence(as_printed.verdict, finding, numbers)
 
 
-def misprints(scene: Scene, found: Sequence[FreeValue]) -> str:
-    """Return as text which `found` values are as short as printed ones, first those that graze at a
-    quarter period.
+def misprints(scene: Scene, values: Sequence[FreeValue]) -> str:
+    """Return as text which of the `values` are as short as printed ones, first those that graze at
+    a quarter period.
     """
     # Those are likely with which the graze is at a quarter of the period, as it is in the figures.
     quarter = pi / (2 * float(scene.parameters.Omega))
-    lists: tuple[list[str], list[str]] = ([], [])
-    for each in found:
-        if each.as_short_as_printed:
-            off = abs((each.t_m + quarter / 2) % quarter - quarter / 2)
-            if each.name in START:
-                value = f"{each.value:.4f}"
+    at_quarter: list[str] = []
+    at_other_times: list[str] = []
+    for value in values:
+        if value.as_short_as_printed:
+            off = abs((value.t_m + quarter / 2) % quarter - quarter / 2)
+            if value.name in START:
+                digits = f"{value.value:.4f}"
             else:
-                value = each.shortest
-            lists[off > PHASE].append(f"{each.name} = {value} (at t = {each.t_m:.6g})")
-    first = " or ".join(lists[0]) or "none at a quarter of a period"
-    if not lists[1]:
+                digits = value.shortest
+            line = f"{value.name} = {digits} (at t = {value.t_m:.6g})"
+            if off > PHASE:
+                at_other_times.append(line)
+            else:
+                at_quarter.append(line)
+    first = " or ".join(at_quarter) or "none at a quarter of a period"
+    if not at_other_times:
         return first
-    return f"{first}; also, at times that nothing tells from others, {' or '.join(lists[1])}"
+    return f"{first}; also, at times that nothing tells from others, {' or '.join(at_other_times)}"
 
 
 def start_grazes(figure: Graze) -> Evidence:
@@ -555,47 +554,53 @@ def start_grazes(figure: Graze) -> Evidence:
         "contacts from the printed start": contacts_text(motion(scene)),
     }
     held = False
-    how = "which does not round to it"
+    conclusion = "which does not round to it"
     if near.round_to_it:
         times = " to ".join(f"{t:.8g}" for t in near.round_to_it)
         numbers["contacts at these times have starts that round to the printed one"] = times
-        held = _grazes_exactly(figure, Fraction(near.t_m).limit_denominator(10**9), numbers)
+        held, details = _grazes_exactly(figure, Fraction(near.t_m).limit_denominator(10**9))
+        numbers |= details
         if held:
-            how = "which rounds to it"
+            conclusion = "which rounds to it"
         else:
-            how = "which rounds to it, but does not graze in many digits"
+            conclusion = "which rounds to it, but does not graze in many digits"
+    if changed:
+        subject = f"With {changed} the starts"
+    else:
+        subject = "The starts"
     finding = (
-        f"{f'With {changed} the' if changed else 'The'} starts at t₀ = {text(scene.t0)} that graze "
-        "are a curve, "
+        f"{subject} at t₀ = {text(scene.t0)} that graze are a curve, one for each time of the "
+        "contact. The one next to the printed start is "
+        f"{max(abs(near.dx), abs(near.dv)):.2g} away, {conclusion}."
     )
-    finding += "one for each time of the contact. The one next to the printed start is "
-    finding += f"{max(abs(near.dx), abs(near.dv)):.2g} away, {how}."
     return Evidence(verdict(held and not changed, held), finding, numbers)
 
 
-def _grazes_exactly(figure: Graze, t_m: Fraction, numbers: dict[str, str]) -> bool:
-    """Return whether the start for a graze at t_m grazes and rounds to the printed start.
-
-    Put details in `numbers`.
+def _grazes_exactly(figure: Graze, t_m: Fraction) -> tuple[bool, dict[str, str]]:
+    """Return whether the start for a graze at t_m grazes and rounds to the printed start, and its
+    numbers.
     """
     p = figure.scene.parameters
-    at = figure.place
+    where = figure.place
     scene = figure.scene
-    found = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0)
-    start: dict[str, Any] = {name: Fraction(found.start[name]) for name in ("x0", "v0")}
-    path = motion(replace(scene, **start, start_error=found.start["start_error"]))
-    x, v = flow(p, p.A(at.domain), (scene.t0, *start.values()), float(t_m))
+    texts = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0).start
+    start: dict[str, Any] = {name: Fraction(texts[name]) for name in ("x0", "v0")}
+    path = motion(replace(scene, **start, start_error=texts["start_error"]))
+    x, v = flow(p, p.A(where.domain), (scene.t0, *start.values()), float(t_m))
+    # Where the force vanishes at t_m.
     x_m = (
-        float(p.A(at.domain)) + float(p.B0) * cos(float(p.Omega * t_m)) - float(p.c) * float(v)
+        float(p.A(where.domain)) + float(p.B0) * cos(float(p.Omega * t_m)) - float(p.c) * float(v)
     ) / float(p.k)
-    gap = abs(float(v) - float(p.belt(at.boundary))) + abs(float(x) - x_m)
-    numbers["x₀, ẋ₀ of a start that grazes"] = f"{found.start['x0'][:22]}, {found.start['v0'][:22]}"
-    numbers["contacts from it"] = contacts_text(path)
-    numbers["|ẋ − v_λ| + |x − xₘ| at the contact, in another closed form"] = f"{gap:.1g}"
+    gap = abs(float(v) - float(p.belt(where.boundary))) + abs(float(x) - x_m)
+    numbers = {
+        "x₀, ẋ₀ of a start that grazes": f"{texts['x0'][:22]}, {texts['v0'][:22]}",
+        "contacts from it": contacts_text(path),
+        "|ẋ − v_λ| + |x − xₘ| at the contact, in another closed form": f"{gap:.1g}",
+    }
     inside = all(
         abs(value - getattr(scene, name)) <= LAST_HALF_UNIT for name, value in start.items()
     )
-    return inside and path.events[0].kind == "graze" and gap < 1e-9
+    return inside and path.events[0].kind == "graze" and gap < 1e-9, numbers
 
 
 # --- the search --- The starts at t0 from which a flow grazes are a curve in the plane (x0, v0),
@@ -621,9 +626,8 @@ class NearestGraze:
     t_m: float
     dx: float
     dv: float
-    round_to_it: list[
-        float
-    ]  # from and until when the contact is of the starts that round to the printed one; []: none
+    # from and until when the contact is of the starts that round to the printed one; []: none
+    round_to_it: list[float]
 
 
 @dataclass(frozen=True)
@@ -660,10 +664,10 @@ class FreeValue:
 def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
     """Return x0 and v0 at t0 of the flows that graze the mapping's belt at the times t_m."""
     p = scene.parameters
-    at = place(mapping)
-    v = float(p.belt(at.boundary))
-    A, B0, Omega, c, k = (float(value) for value in (p.A(at.domain), p.B0, p.Omega, p.c, p.k))
-    x_m = (A + B0 * np.cos(Omega * t_m) - c * v) / k
+    where = place(mapping)
+    v = float(p.belt(where.boundary))
+    A, B0, Omega, c, k = (float(value) for value in (p.A(where.domain), p.B0, p.Omega, p.c, p.k))
+    x_m = (A + B0 * np.cos(Omega * t_m) - c * v) / k  # where the force vanishes
     return np.array(
         [flow(p, A, (t, x, v), float(scene.t0)) for t, x in zip(t_m, x_m, strict=True)]
     ).T
@@ -675,7 +679,7 @@ def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
     """
     printed = np.array([[float(scene.x0)], [float(scene.v0)]])
 
-    def away(t: float) -> float:
+    def distance(t: float) -> float:
         return float(np.abs(starts_that_graze(scene, mapping, np.array([t])) - printed).max())
 
     times = (
@@ -685,20 +689,25 @@ def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
     coarse = np.abs(starts_that_graze(scene, mapping, times) - printed).max(axis=0)
     inner = coarse[1:-1]
     valleys = np.flatnonzero((inner <= coarse[:-2]) & (inner <= coarse[2:])) + 1
+    if len(valleys):
+        candidates = valleys[np.argsort(coarse[valleys])].tolist()
+    else:
+        candidates = [1 + int(np.argmin(inner))]
     best = np.nan
     around = (np.nan, np.nan)
-    for i in valleys[np.argsort(coarse[valleys])] if len(valleys) else [1 + int(np.argmin(inner))]:
+    for i in candidates:
         ends = float(times[i - 1]), float(times[i + 1])
-        t = float(minimize_scalar(away, bounds=ends, method="bounded", options={"xatol": 1e-13}).x)
-        if not away(t) >= away(best):
+        minimum = minimize_scalar(distance, bounds=ends, method="bounded", options={"xatol": 1e-13})
+        t = float(minimum.x)
+        if not distance(t) >= distance(best):  # true for the first one, where `best` is NaN
             best = t
             around = ends
-    if away(best) <= HALF_UNIT:
+    if distance(best) <= HALF_UNIT:
         sides: Sequence[float] = around
     else:
         sides = ()
     box = [
-        float(brentq(lambda t: away(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12))
+        float(brentq(lambda t: distance(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12))
         for end in sides
     ]
     dx, dv = (starts_that_graze(scene, mapping, np.array([best])) - printed)[:, 0]
@@ -725,9 +734,10 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
 
     values = np.unique([*np.linspace(*tried, VALUES), printed])
     gaps = [gap(float(value)) for value in values]
-    found = []
-    for i, (one, two) in enumerate(pairwise(gaps)):
-        if not one * two <= 0 or abs(one - two) > 10 * max(1.0, abs(printed)):
+    grazing = []
+    for i, (before, after) in enumerate(pairwise(gaps)):
+        # A zero needs a change of sign, and a gap that jumps has none. (`not` is for NaN.)
+        if not before * after <= 0 or abs(before - after) > 10 * max(1.0, abs(printed)):
             continue
         root = float(brentq(gap, values[i], values[i + 1]))
         left, t_m, inside = _gap(scene, mapping, {name: root})
@@ -736,13 +746,16 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
         # Central differences: by how much the root moves with the other numbers of the printed
         # start.
         step = 1e-6 * max(1.0, abs(root))
-        moved = 0.0
+        by_start = 0.0
         for key in {"x0", "v0"} - {name}:
-            at = float(getattr(scene, key))
-            moved += abs(gap(root, **{key: at + 1e-6}) - gap(root, **{key: at - 1e-6})) / 2e-6
+            number = float(getattr(scene, key))
+            change = gap(root, **{key: number + 1e-6}) - gap(root, **{key: number - 1e-6})
+            by_start += abs(change) / 2e-6
         slope = abs(gap(root + step) - gap(root - step)) / (2 * step)
-        found.append(FreeValue(name, root, HALF_UNIT * (moved / slope + (name in START)), t_m))
-    return found
+        # A number of the start has the rounding of its own last digit too.
+        uncertainty = HALF_UNIT * (by_start / slope + (name in START))
+        grazing.append(FreeValue(name, root, uncertainty, t_m))
+    return grazing
 
 
 def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
@@ -752,19 +765,22 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
     For a graze the flow must be in the mapping's domain before. `change` gives some numbers of the
     scene new values.
     """
-    at = place(mapping)
+    where = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}
     if exact:
         p = scene.parameters.replace(**exact)
     else:
         p = scene.parameters
-    A = float(p.A(at.domain))
-    belt = float(p.belt(at.boundary))
-    times = start[0] + 3 * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
+    A = float(p.A(where.domain))
+    belt = float(p.belt(where.boundary))
+    t0 = start[0]
+    # Three periods from the start on.
+    times = t0 + 3 * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
 
     def beyond(t: Any) -> Any:
-        return at.side * (flow(p, A, start, t)[1] - belt)
+        _, v = flow(p, A, start, t)
+        return where.side * (v - belt)
 
     try:
         over = beyond(times)
@@ -773,16 +789,13 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
     i = int(np.argmax(over))
     step = times[1] - times[0]
     around = times[i] - step, times[i] + step
-    best = minimize_scalar(
+    peak = minimize_scalar(
         lambda t: -float(beyond(t)), bounds=around, method="bounded", options={"xatol": 1e-10}
     )
     # Up to the contact the flow stays below the belt, and in domain 2 within the speeds of the two.
-    if at.domain == 2:
+    if where.domain == 2:
         width = float(p.v2 - p.v1)
     else:
         width = inf
-    return (
-        -float(best.fun),
-        float(best.x),
-        bool(over[0] < 0 and i > 0 and np.all(over[: i + 1] > -width)),
-    )
+    in_domain = bool(over[0] < 0 and i > 0 and np.all(over[: i + 1] > -width))
+    return -float(peak.fun), float(peak.x), in_domain

@@ -42,6 +42,8 @@ Found = TypeVar("Found", Trajectory, PeriodicOrbit)
 CONTACT_DIGITS = 30
 #: A force (acceleration) below this at a contact that is known to 30 digits is 0.
 NO_FORCE = 1e-20
+#: The paper's equation for the end of a stick on each belt.
+EXIT_EQUATIONS = {1: 52, 2: 53}
 #: Half a unit of the fourth decimal, to which the paper prints its starts.
 LAST_HALF_UNIT = Fraction(1, 20000)
 
@@ -95,7 +97,7 @@ def text(value: Any, digits: int = 15) -> str:
     digits.
     """
     if isinstance(value, Iterable):
-        return ", ".join(text(each, digits) for each in value)
+        return ", ".join(text(item, digits) for item in value)
     if isinstance(value, int | Fraction):
         return show(Fraction(value))
     if hasattr(value, "context"):
@@ -118,11 +120,11 @@ def subscripted(label: Any) -> str:
 
 def mode_text(mode: Any) -> str:
     """Return "Omega1" as Ω₁ and "belt1" as belt 1."""
-    name = str(mode)[:-1]
-    digit = str(mode)[-1]
-    if name == "Omega":
-        return f"Ω{subscripted(digit)}"
-    return f"{name} {digit}"
+    kind = str(mode)[:-1]
+    number = str(mode)[-1]
+    if kind == "Omega":
+        return f"Ω{subscripted(number)}"
+    return f"{kind} {number}"
 
 
 def force_names(*domains: int) -> str:
@@ -187,19 +189,24 @@ def scene_contacts(scene: Scene, t_end: Any = None) -> list[SceneContact]:
 def sticks(scene: Scene, t_end: Any = None) -> list[Stick]:
     """Return the sticks of a motion in order of time; one that begins at the start counts."""
     path = motion(scene, t_end)
-    at = scene_contacts(scene, t_end)
-    found = []
+    contacts = scene_contacts(scene, t_end)
+    stretches = []
+    # Segment i ends with event i; the last one may end with t_end instead.
     for i, segment in enumerate(path.segments):
         if segment.mode.startswith("belt"):
             belt = int(segment.mode[-1])
-            if i < len(at):
-                end = at[i]
+            if i == 0:
+                onset = start_contact(scene, belt)
+            else:
+                onset = contacts[i - 1]
+            if i < len(contacts):
+                end = contacts[i]
                 into = path.events[i].target
             else:
                 end = None
                 into = None
-            found.append(Stick(belt, at[i - 1] if i else start_contact(scene, belt), end, into))
-    return found
+            stretches.append(Stick(belt, onset, end, into))
+    return stretches
 
 
 def first_stick(scene: Scene, belt: int) -> Stick:
@@ -211,19 +218,18 @@ def first_stick(scene: Scene, belt: int) -> Stick:
     raise Refuted(f"There is no stick on belt {belt} that ends.", numbers)
 
 
-def forces(p: Parameters, at: SceneContact) -> Forces:
+def forces(p: Parameters, contact: SceneContact) -> Forces:
     """Return the forces of the domains below and above the belt at a contact."""
     exact = arithmetic(p)
     K = exact.K
-    cosine = exact.context.cos(at.theta)
-    v = exact.number(p.belt(at.belt))
-    constants = (K.A1, K.A2, K.A3)
-    return Forces(
-        *(
-            acceleration(at.x, v, cosine, constants[a - 1], K.cm, K.w0sq, K.f0)
-            for a in NEIGHBOURS[at.belt]
-        )
+    cosine = exact.context.cos(contact.theta)
+    v = exact.number(p.belt(contact.belt))
+    constants = {1: K.A1, 2: K.A2, 3: K.A3}
+    below, above = (
+        acceleration(contact.x, v, cosine, constants[domain], K.cm, K.w0sq, K.f0)
+        for domain in NEIGHBOURS[contact.belt]
     )
+    return Forces(below, above)
 
 
 def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
@@ -239,20 +245,23 @@ def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
     else:
         belt = K.belt2
     first = forces(p, stick.onset)
-    lasts = stick.end.t - stick.onset.t
-    found = [first]
-    for angle in (belt.angle, context.pi - belt.angle) if belt.turns else ():
-        elapsed = ((angle - theta) % (2 * context.pi)) / K.Om
-        while elapsed < lasts:
-            change = exact.namespace["force_gain"](
+    duration = stick.end.t - stick.onset.t
+    along = [first]
+    critical_phases: tuple[Any, ...]
+    if belt.turns:
+        critical_phases = (belt.angle, context.pi - belt.angle)
+    else:
+        critical_phases = ()
+    for phase in critical_phases:
+        elapsed = ((phase - theta) % (2 * context.pi)) / K.Om
+        while elapsed < duration:
+            gain, *_ = exact.namespace["force_gain"](
                 elapsed, context.sin(theta), context.cos(theta), belt, K
-            )[0]
-            found.append(Forces(first.below + change, first.above + change, elapsed))
+            )
+            along.append(Forces(first.below + gain, first.above + gain, elapsed))
             elapsed += K.period
-    return [
-        *sorted(found, key=lambda each: each.elapsed),
-        forces(p, stick.end)._replace(elapsed=lasts),
-    ]
+    last = forces(p, stick.end)._replace(elapsed=duration)
+    return [*sorted(along, key=lambda both: both.elapsed), last]
 
 
 def is_zero(force: Any) -> bool:
@@ -260,16 +269,16 @@ def is_zero(force: Any) -> bool:
     return bool(abs(force) < NO_FORCE)
 
 
-def certificate_of(what: Scene | PeriodicOrbit) -> dict[str, str]:
+def certificate_of(subject: Scene | PeriodicOrbit) -> dict[str, str]:
     """Return a line for the `numbers` of an Evidence: what the certificate of a motion or orbit
     states.
     """
     try:
-        proof = certify(what)
-        said = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
+        proof = certify(subject)
+        statement = f"{'proven' if proof.proven else 'not proven'}: {proof.message}"
     except MissingExtraError:
-        said = "none here: python-flint is not installed"
-    return {"certificate (symosc certify)": said}
+        statement = "none here: python-flint is not installed"
+    return {"certificate (symosc certify)": statement}
 
 
 # --- a second opinion: every stretch computed by another closed form, every switch decided anew by
@@ -281,52 +290,52 @@ SAMPLES = 101
 
 
 class Stretch(NamedTuple):
-    """A part of a motion in one domain (1 to 3) or on one belt (-1, -2), from a state to the next
-    contact.
+    """A part of a motion in one domain (1 to 3) or on one belt (-1, -2), from a state (t, x, v) to
+    the next contact.
     """
 
-    where: int
+    place: int
     start: tuple[float, ...]
     end: tuple[float, ...]
 
 
-def stretches_of(what: Trajectory | PeriodicOrbit) -> list[Stretch]:
+def stretches_of(path: Trajectory | PeriodicOrbit) -> list[Stretch]:
     """Split a motion, or one period of an orbit, at its contacts.
 
     An orbit's last part ends at its first point.
     """
-    p = what.parameters
+    p = path.parameters
     states: list[tuple[Any, ...]]
-    if isinstance(what, Trajectory):
-        modes = [segment.mode for segment in what.segments]
+    if isinstance(path, Trajectory):
+        modes = [segment.mode for segment in path.segments]
         places = [int(mode[-1]) * (-1 if mode.startswith("belt") else 1) for mode in modes]
         states = [
-            (what.t_start, *what(what.t_start)),
-            *((e.t, e.x, e.v) for e in what.events[: len(places)]),
+            (path.t_start, *path(path.t_start)),
+            *((e.t, e.x, e.v) for e in path.events[: len(places)]),
         ]
-        if len(places) == len(states):
-            states.append((what.t_end, *what(what.t_end)))
+        if len(places) == len(states):  # the last stretch ends without a contact
+            states.append((path.t_end, *path(path.t_end)))
     else:
-        rows = [MAPS[label] for label in what.labels]
+        rows = [MAPS[label] for label in path.labels]
         places = [row.domain or -row.start.boundary for row in rows]
         states = [
-            (*at, p.belt(row.start.boundary)) for row, at in zip(rows, what.points, strict=True)
+            (*point, p.belt(row.start.boundary))
+            for row, point in zip(rows, path.points, strict=True)
         ]
-        states.append((states[0][0] + what.period, *states[0][1:]))
-    exact = (tuple(map(float, state)) for state in states)
+        (t, x, v) = states[0]
+        states.append((t + path.period, x, v))
+    in_doubles = (tuple(map(float, state)) for state in states)
     return [
-        Stretch(where, start, end)
-        for where, (start, end) in zip(places, pairwise(exact), strict=True)
+        Stretch(place, start, end)
+        for place, (start, end) in zip(places, pairwise(in_doubles), strict=True)
     ]
 
 
 def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
     """Recompute each stretch of a motion.
 
-    Return the largest relative difference between computed and stored ends.
-
-    Also return how many stretches leave their domain or belt, or begin where Theorems 4 and 5
-    forbid it.
+    Return the largest relative difference between computed and stored ends, and how many stretches
+    leave their domain or belt, or begin where Theorems 4 and 5 forbid it.
     """
     differences = [0.0]
     contradictions = 0
@@ -334,19 +343,23 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
         (t0, x0, v0) = stretch.start
         (t1, x1, v1) = stretch.end
         t = np.linspace(t0, t1, SAMPLES)
-        if stretch.where > 0:
-            x, v = flow(p, p.A(stretch.where), stretch.start, t)
+        if stretch.place > 0:
+            x, v = flow(p, p.A(stretch.place), stretch.start, t)
+            # Domain n is between edges n - 1 and n.
             edges = -np.inf, float(p.v1), float(p.v2), np.inf
-            margin = np.minimum(v - edges[stretch.where - 1], edges[stretch.where] - v)
+            margin = np.minimum(v - edges[stretch.place - 1], edges[stretch.place] - v)
         else:
+            belt = -stretch.place
             x = x0 + v0 * (t - t0)
-            v = np.full_like(t, float(p.belt(-stretch.where)))
-            lo, hi = NEIGHBOURS[-stretch.where]
+            v = np.full_like(t, float(p.belt(belt)))
+            lo, hi = NEIGHBOURS[belt]
             margin = np.minimum(field(p, lo, t, x, v), -field(p, hi, t, x, v))
         size = max(1.0, float(np.abs(x).max()), float(np.abs(v).max()))
         differences.append(max(abs(float(x[-1]) - x1), abs(float(v[-1]) - v1)) / size)
         contradictions += int(margin.min() < -AGREEMENT * size)
-    contradictions += sum(not _follows(p, one.end, then.where) for one, then in pairwise(stretches))
+    contradictions += sum(
+        not _follows(p, before.end, after.place) for before, after in pairwise(stretches)
+    )
     return max(differences), contradictions
 
 
@@ -356,49 +369,51 @@ def field(p: Parameters, alpha: int, t: Any, x: Any, v: Any) -> Any:
     return (A + B0 * np.cos(Omega * t) - k * x - c * v) / m
 
 
-def _follows(p: Parameters, end: tuple[float, ...], then: int) -> bool:
-    """Return whether by Theorems 4 and 5 domain `then`, or belt -`then`, may follow at `end` = (t,
-    x, v) on a belt.
+def _follows(p: Parameters, state: tuple[float, ...], place: int) -> bool:
+    """Return whether by Theorems 4 and 5 a stretch in `place` may follow at a `state` (t, x, v) on
+    a belt.
     """
-    if abs(end[2] - float(p.v1)) < abs(end[2] - float(p.v2)):
+    (t, x, v) = state
+    if abs(v - float(p.v1)) < abs(v - float(p.v2)):
         belt = 1
     else:
         belt = 2
     lo, hi = NEIGHBOURS[belt]
-    below = float(field(p, lo, *end))
-    above = float(field(p, hi, *end))
+    below = float(field(p, lo, t, x, v))
+    above = float(field(p, hi, t, x, v))
     slack = AGREEMENT * max(1.0, abs(below), abs(above))
-    return {-belt: below > -slack and above < slack, hi: above > -slack, lo: below < slack}.get(
-        then, False
-    )
+    allowed = {-belt: below > -slack and above < slack, hi: above > -slack, lo: below < slack}
+    return allowed.get(place, False)
 
 
 def judge(check: Callable[[], Any]) -> Evidence:
     """Run a check and recompute every motion and orbit that it used by independent means."""
-    _seen.clear()
+    _seen.clear()  # `check` fills it: `recorded` notes what it simulates and solves
     try:
-        found = check()
+        result = check()
     except Refuted as refuted:
-        found = refuted.evidence
-    if not isinstance(found, Evidence):
+        result = refuted.evidence
+    if not isinstance(result, Evidence):
         name = getattr(getattr(check, "func", check), "__name__", str(check))
-        raise TypeError(f"{name} returned {type(found).__name__}, not Evidence")
+        raise TypeError(f"{name} returned {type(result).__name__}, not Evidence")
     if not _seen:
-        return found
-    parts = [
-        (each.parameters, stretches_of(each))
-        for each in {id(each): each for each in _seen}.values()
-    ]
-    differences, contradictions = zip(*(fly_again(*part) for part in parts), strict=True)
+        return result
+    different_paths = {id(path): path for path in _seen}.values()
+    flights = [(path.parameters, stretches_of(path)) for path in different_paths]
+    differences, contradictions = zip(
+        *(fly_again(p, stretches) for p, stretches in flights), strict=True
+    )
     compared = (
-        f"{sum(len(part) for _, part in parts)} stretches, largest relative difference "
+        f"{sum(len(stretches) for _, stretches in flights)} stretches, largest relative difference "
         f"{max(differences):.1g}"
     )
-    found = replace(found, numbers=found.numbers | {"flown again in another closed form": compared})
+    result = replace(
+        result, numbers=result.numbers | {"flown again in another closed form": compared}
+    )
     if max(differences) <= AGREEMENT and not any(contradictions):
-        return found
+        return result
     return replace(
-        found, verdict=UNDECIDED, finding=f"Two ways do not agree ({compared}). {found.finding}"
+        result, verdict=UNDECIDED, finding=f"Two ways do not agree ({compared}). {result.finding}"
     )
 
 
@@ -441,27 +456,27 @@ def together(scene: Scene, belt: int) -> Evidence:
     grip = number(p, most)
     m = number(p, p.m)
     # The force of (2) on the mass is m F^(below) - mu FN.
-    needed = [m * each.below - grip for each in forces_along(p, stick)]
-    lasts = stick.end.t - stick.onset.t
-    way = stick.end.x - stick.onset.x
-    apart = abs(way - number(p, p.belt(belt)) * lasts)
+    needed = [m * both.below - grip for both in forces_along(p, stick)]
+    duration = stick.end.t - stick.onset.t
+    distance = stick.end.x - stick.onset.x
+    apart = abs(distance - number(p, p.belt(belt)) * duration)
     enough = max(abs(force) for force in needed) <= grip + NO_FORCE
     if is_zero(abs(needed[-1]) - grip):
         used_up = "; it is used up at the green point"
     else:
         used_up = ""
     finding = (
-        f"For {text(lasts, 11)} the mass moves with belt {belt}, both by {text(way, 11)}. The "
-        "static friction "
+        f"For {text(duration, 11)} the mass moves with belt {belt}, both by {text(distance, 11)}. "
+        f"The static friction that this needs stays within μ{subscripted(belt)} F_N = "
+        f"{text(most)}{used_up}."
     )
-    finding += f"that this needs stays within μ{subscripted(belt)} F_N = {text(most)}{used_up}."
     numbers = {
         "t of the blue and of the green point": text((stick.onset.t, stick.end.t), 20),
         "x of the blue and of the green point": text((stick.onset.x, stick.end.x), 20),
         "way of the mass minus way of the belt": text(apart, 2),
         f"F_s{belt} of eq. (2) at the onset, where it turns, at the end": text(needed, 10),
     }
-    return evidence(lasts > 0 and apart < NO_FORCE and enough, finding, numbers)
+    return evidence(duration > 0 and apart < NO_FORCE and enough, finding, numbers)
 
 
 def forces_hold(scene: Scene, belt: int) -> Evidence:
@@ -473,28 +488,21 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
     domains = NEIGHBOURS[belt]
     along = forces_along(scene.parameters, stick)
     *during, last = along
-    held = all(each.below > NO_FORCE and each.above < -NO_FORCE for each in during)
+    held = all(both.below > NO_FORCE and both.above < -NO_FORCE for both in during)
     held = held and last.below > -NO_FORCE and last.above < NO_FORCE
-    lowest = min(each.below for each in along)
-    highest = max(each.above for each in along)
+    lowest = min(both.below for both in along)
+    highest = max(both.above for both in along)
     finding = (
         f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} "
-        "is at least "
+        f"is at least {force_text(lowest)}, {force_names(domains[1])} at most "
+        f"{force_text(highest)}, with 0 at the green point only. Both are monotone between the "
+        "instants listed: this is decided for the whole stick, not at samples."
     )
-    finding += (
-        f"{force_text(lowest)}, {force_names(domains[1])} at most {force_text(highest)}, with 0 at "
-        "the green "
-    )
-    finding += (
-        "point only. Both are monotone between the instants listed: this is decided for the whole "
-        "stick, not at "
-    )
-    finding += "samples."
     numbers = {
-        f"{force_names(*domains)} at t = {text(stick.onset.t + each.elapsed)}": force_text(
-            each.below, each.above
+        f"{force_names(*domains)} at t = {text(stick.onset.t + both.elapsed)}": force_text(
+            both.below, both.above
         )
-        for each in along
+        for both in along
     }
     return evidence(held, finding, numbers)
 
@@ -505,19 +513,19 @@ def ends_below(scene: Scene, belt: int) -> Evidence:
     """
     stick = first_stick(scene, belt)
     (lo, hi) = NEIGHBOURS[belt]
-    at = forces(scene.parameters, stick.end)
-    held = is_zero(at.below) and at.above < 0 and stick.into == f"Omega{lo}"
+    below, above, _ = forces(scene.parameters, stick.end)
+    held = is_zero(below) and above < 0 and stick.into == f"Omega{lo}"
     finding = (
-        f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(at.below)}, "
-        f"{force_names(hi)} = "
+        f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(below)}, "
+        f"{force_names(hi)} = {text(above)}; the mass slips into {mode_text(stick.into)}. "
+        f"Eq. ({EXIT_EQUATIONS[belt]}) of the paper wants {force_names(hi)} = 0 there."
     )
-    finding += (
-        f"{text(at.above)}; the mass slips into {mode_text(stick.into)}. Eq. ({51 + belt}) of the "
-        "paper wants "
-    )
-    finding += f"{force_names(hi)} = 0 there."
-    numbers = {"t of the green point": text(stick.end.t, 25), force_names(lo): force_text(at.below)}
-    return Evidence(verdict(held), finding, numbers | {force_names(hi): text(at.above, 25)})
+    numbers = {
+        "t of the green point": text(stick.end.t, 25),
+        force_names(lo): force_text(below),
+        force_names(hi): text(above, 25),
+    }
+    return Evidence(verdict(held), finding, numbers)
 
 
 def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
@@ -525,38 +533,34 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
     next contact.
     """
     (_, _, end, into) = first_stick(scene, belt)
-    at = scene_contacts(scene)
+    contacts = scene_contacts(scene)
     p = scene.parameters
-    i = at.index(end)
-    if i + 1 == len(at):
+    i = contacts.index(end)
+    if i + 1 == len(contacts):
         return Evidence(UNDECIDED, "No contact follows.", {"followed until t": text(scene.t_end)})
-    after = at[i + 1]
+    after = contacts[i + 1]
     Omega = number(p, p.Omega)
     label = str(motion(scene).segments[i + 1].label)
     # The engine flies with gains from the contact; (54) is evaluated here from one contact to the
     # next.
-    rest = [
-        abs(each) for each in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))
+    residuals = [
+        abs(f) for f in residual(p, label, (end.x, Omega * end.t), (after.x, Omega * after.t))
     ]
-    lasts = after.t - end.t
+    duration = after.t - end.t
     domain = int(str(into)[-1])
     drag = p.A(domain) - p.A0
     finding = (
-        f"For {text(lasts, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is in "
+        f"For {text(duration, 11)}, from t = {text(end.t, 11)} to {text(after.t, 11)}, the mass is "
+        f"in {mode_text(into)} ({subscripted(label)}) with the kinetic friction {text(drag)}; then "
+        f"it is at belt {after.belt}."
     )
-    finding += (
-        f"{mode_text(into)} ({subscripted(label)}) with the kinetic friction {text(drag)}; then it "
-        "is at belt "
-    )
-    finding += f"{after.belt}."
     numbers = {
         "t from, to": text((end.t, after.t), 20),
         "friction force A_α − A₀": text(drag),
-        f"residuals f₁, f₂ of (54) for {subscripted(label)}": text(rest, 2),
+        f"residuals f₁, f₂ of (54) for {subscripted(label)}": text(residuals, 2),
     }
-    return Evidence(
-        verdict(domain in domains and lasts > 0 and max(rest) < NO_FORCE), finding, numbers
-    )
+    held = domain in domains and duration > 0 and max(residuals) < NO_FORCE
+    return Evidence(verdict(held), finding, numbers)
 
 
 def product_after(scene: Scene, belt: int) -> Evidence:
@@ -566,7 +570,7 @@ def product_after(scene: Scene, belt: int) -> Evidence:
     end = first_stick(scene, belt).end
     path = motion(scene)
     (lo, hi) = NEIGHBOURS[belt]
-    following = next((at for at in scene_contacts(scene) if at.t > end.t), None)
+    following = next((contact for contact in scene_contacts(scene) if contact.t > end.t), None)
     since = float(end.t)
     until = float(path.t_end if following is None else following.t)
 
@@ -594,14 +598,8 @@ def product_after(scene: Scene, belt: int) -> Evidence:
         numbers["the product changes its sign at t"] = f"{zero:.12g} (to 1e-12)"
         finding = (
             f"The product is positive only until t = {zero:.10g}, {zero - since:.7g} after the "
-            "green point: "
-        )
-        finding += (
-            f"there ẋ has its extremum {path(zero)[1]:.7g} and {force_names(lo)} changes its sign. "
-            "At the next "
-        )
-        finding += (
-            f"contact, t = {text(until, 8)}, the product is "
+            f"green point: there ẋ has its extremum {path(zero)[1]:.7g} and {force_names(lo)} "
+            f"changes its sign. At the next contact, t = {text(until, 8)}, the product is "
             f"{'negative' if products[-1] < 0 else 'positive'}."
         )
     return Evidence(verdict(min(products) > 0, products[0] > 0), finding, numbers)
@@ -613,19 +611,19 @@ def sticks_at_start(scene: Scene, belt: int) -> Evidence:
     The verdict is CORRECTED if it sticks only later.
     """
     p = scene.parameters
-    domains = NEIGHBOURS[belt]
+    (lo, hi) = NEIGHBOURS[belt]
     mode = mode_text(motion(scene).segments[0].mode)
-    both = forces(p, start_contact(scene, belt))[:2]
-    values = (
-        f"{force_names(each)} = {text(value, 8)}" for each, value in zip(domains, both, strict=True)
+    below, above, _ = forces(p, start_contact(scene, belt))
+    finding = (
+        f"At t₀ = {text(scene.t0)} {force_names(lo)} = {text(below, 8)}, "
+        f"{force_names(hi)} = {text(above, 8)}: "
     )
-    finding = f"At t₀ = {text(scene.t0)} {', '.join(values)}: "
     numbers = {
-        f"{force_names(*domains)} at the start": text(both),
+        f"{force_names(lo, hi)} at the start": text((below, above)),
         "ẋ₀, velocity of the belt": text((scene.v0, p.belt(belt))),
         "first mode of motion": mode,
     } | certificate_of(scene)
-    if scene.v0 == p.belt(belt) and both[0] > NO_FORCE and both[1] < -NO_FORCE:
+    if scene.v0 == p.belt(belt) and below > NO_FORCE and above < -NO_FORCE:
         return Evidence(verdict(True), f"{finding}the mass sticks at once (Theorem 4).", numbers)
     first = next((stick for stick in sticks(scene) if stick.belt == belt), None)
     if first is None:
@@ -633,9 +631,9 @@ def sticks_at_start(scene: Scene, belt: int) -> Evidence:
     numbers["t of the first stick"] = text(first.onset.t, 20)
     finding += (
         f"no stick at the start (Theorem 5), the mass leaves into {mode} and sticks to belt {belt} "
-        "only "
+        f"only at t = {text(first.onset.t, 11)}."
     )
-    return Evidence(CORRECTED, f"{finding}at t = {text(first.onset.t, 11)}.", numbers)
+    return Evidence(CORRECTED, finding, numbers)
 
 
 # --- what Section 6 says of all figures ---
@@ -667,12 +665,12 @@ def weight(scenes: tuple[Scene, ...]) -> Evidence:
         _figure(scene): (scene.parameters.FN, scene.parameters.m * Fraction("9.81"))
         for scene in scenes
     }
-    equal = [name for name, (force, own) in weights.items() if force == own]
-    others = [name for name in weights if name not in equal]
+    equal = [name for name, (force, weight_force) in weights.items() if force == weight_force]
+    unequal = [name for name in weights if name not in equal]
     finding = f"No equation contains g. F_N = m g in {', '.join(equal) or 'no figure'}"
-    if others:
-        ratios = text((float(weights[name][0] / weights[name][1]) for name in others), 4)
-        finding += f"; in {', '.join(others)} F_N is {ratios} times the weight"
+    if unequal:
+        ratios = text((float(weights[name][0] / weights[name][1]) for name in unequal), 4)
+        finding += f"; in {', '.join(unequal)} F_N is {ratios} times the weight"
     numbers = {f"{name}: F_N, m g": text(pair) for name, pair in weights.items()}
     return Evidence(verdict(equal), f"{finding}.", numbers)
 
@@ -687,21 +685,18 @@ def force_products(scenes: tuple[Scene, ...]) -> Evidence:
     for scene in scenes:
         p = scene.parameters
         name = _figure(scene)
-        found = [
+        ended = [
             stick for stick in sticks(scene, FOLLOWED.get(scene.name)) if stick.end is not None
         ]
-        if not found:
+        if not ended:
             continue
-        starts = [forces(p, stick.onset).product for stick in found]
-        ends = [forces(p, stick.end) for stick in found]
-        held = (
-            held
-            and max(starts) < 0
-            and all(is_zero(end.below) != is_zero(end.above) for end in ends)
-        )
-        count += len(found)
+        starts = [forces(p, stick.onset).product for stick in ended]
+        ends = [forces(p, stick.end) for stick in ended]
+        one_vanishes = all(is_zero(end.below) != is_zero(end.above) for end in ends)
+        held = held and max(starts) < 0 and one_vanishes
+        count += len(ended)
         least = max(min(abs(end.below), abs(end.above)) for end in ends)
-        numbers[f"{name}: sticks"] = str(len(found))
+        numbers[f"{name}: sticks"] = str(len(ended))
         numbers[f"{name}: product where they start"] = (
             f"{text(min(starts), 8)} to {text(max(starts), 8)}"
         )

@@ -11,6 +11,7 @@ from functools import cache
 from itertools import cycle, pairwise, zip_longest
 from math import cos, inf, pi, sin
 from operator import eq
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -24,6 +25,7 @@ from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.paper.checks.motions import (
     CONTACT_DIGITS,
+    EXIT_EQUATIONS,
     LAST_HALF_UNIT,
     NO_FORCE,
     SceneContact,
@@ -56,7 +58,10 @@ from symosc.simulation.ensemble import simulate_many
 from symosc.words import read_word
 
 FIG9, FIG10 = map(load_scene, ("fig9", "fig10"))
+#: How near to the periodic motion a motion counts as settled, in x and x'.
 WITHIN = 1e-4
+#: Sticks whose forces are listed; of the others the summary tells.
+SHOWN_STICKS = 4
 
 
 def orbit_of(scene: Scene) -> PeriodicOrbit:
@@ -73,11 +78,11 @@ def orbit_of(scene: Scene) -> PeriodicOrbit:
 @cache
 def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
     try:
-        found = find_orbit(scene.parameters, str(scene.structure), digits=CONTACT_DIGITS)
+        orbit = find_orbit(scene.parameters, str(scene.structure), digits=CONTACT_DIGITS)
     except ConvergenceError:
         return None
-    if found.admissible:
-        return found
+    if orbit.admissible:
+        return orbit
     return None
 
 
@@ -86,32 +91,26 @@ def orbit_exists(scene: Scene) -> Evidence:
 
     Check all inequalities that the orbit must fulfil.
     """
-    found = orbit_of(scene)
+    orbit = orbit_of(scene)
     conditions = orbit_of(scene).conditions()
     margin = min(conditions, key=lambda condition: condition.value)
     finding = (
         f"{subscripted(scene.structure)} exists: it has the period of the excitation, "
-        f"{text(found.period, 10)}, "
+        f"{text(orbit.period, 10)}, all {len(conditions)} inequalities hold, and it is "
+        f"{'stable' if orbit.stable else 'unstable'} (largest |multiplier| "
+        f"{float(abs(orbit.multipliers[0])):.6g})."
     )
-    finding += (
-        f"all {len(conditions)} inequalities hold, and it is "
-        f"{'stable' if found.stable else 'unstable'} "
-    )
-    finding += f"(largest |multiplier| {float(abs(found.multipliers[0])):.6g})."
     numbers = {
         f"{i}. {subscripted(label)} starts at t, x": text((point.t, point.x), 22)
-        for i, (label, point) in enumerate(zip(found.labels, found.points, strict=True), 1)
+        for i, (label, point) in enumerate(zip(orbit.labels, orbit.points, strict=True), 1)
     } | {
-        "largest residual of (54)": text(found.residual, 2),
+        "largest residual of (54)": text(orbit.residual, 2),
         "smallest margin of an inequality": f"{margin.value:.6g} ({margin.text})",
-        "distance from grazing, as a velocity": f"{found.grazing_distance:.6g}",
-        "|multipliers|": text((float(abs(value)) for value in found.multipliers), 8),
+        "distance from grazing, as a velocity": f"{orbit.grazing_distance:.6g}",
+        "|multipliers|": text((float(abs(value)) for value in orbit.multipliers), 8),
     }
-    return Evidence(
-        verdict(found.periods == 1 and found.stable is True),
-        finding,
-        numbers | certificate_of(found),
-    )
+    held = orbit.periods == 1 and orbit.stable is True
+    return Evidence(verdict(held), finding, numbers | certificate_of(orbit))
 
 
 def in_order(scene: Scene) -> Evidence:
@@ -120,25 +119,27 @@ def in_order(scene: Scene) -> Evidence:
     """
     p = scene.parameters
     path = motion(scene)
-    at = scene_contacts(scene)
-    points = [start_contact(scene, path.events[0].boundary), *at]
+    contacts = scene_contacts(scene)
+    points = [start_contact(scene, path.events[0].boundary), *contacts]
     Omega = number(p, p.Omega)
     word = path.word
     if scene.structure:
         labels = read_word(scene.structure).labels
     else:
         labels = ()
-    # The start may be anywhere on the orbit.
-    turns = [cycle(labels[i:] + labels[:i]) for i in range(len(labels))]
-    ordered = bool(word) and any(all(map(eq, word, turn)) for turn in turns)
+    # The start may be anywhere on the orbit: the motion may begin with any of its mappings.
+    rotations = [cycle(labels[i:] + labels[:i]) for i in range(len(labels))]
+    ordered = bool(word) and any(all(map(eq, word, rotation)) for rotation in rotations)
     worst = 0 * Omega
     for segment, (start, end) in zip(path.segments, pairwise(points), strict=False):
         if segment.label:
-            rest = residual(p, segment.label, (start.x, Omega * start.t), (end.x, Omega * end.t))
-            worst = max([worst, *map(abs, rest)])
+            residuals = residual(
+                p, segment.label, (start.x, Omega * start.t), (end.x, Omega * end.t)
+            )
+            worst = max([worst, *map(abs, residuals)])
     crossings = [
-        forces(p, point)
-        for point, event in zip(at, path.events, strict=True)
+        forces(p, contact)
+        for contact, event in zip(contacts, path.events, strict=True)
         if event.kind == "cross"
     ]
     numbers = {
@@ -148,13 +149,11 @@ def in_order(scene: Scene) -> Evidence:
     first = ", ".join(map(subscripted, word[:5]))
     finding = (
         f"From the start on the mappings are {first}, …: the structure "
-        f"{subscripted(scene.structure)}, "
-    )
-    finding += (
-        f"{len(word)} mappings long. Each begins where the last one ends: x and ẋ are continuous"
+        f"{subscripted(scene.structure)}, {len(word)} mappings long. Each begins where the last "
+        "one ends: x and ẋ are continuous"
     )
     if crossings:
-        jump = max(abs(each.below - each.above) for each in crossings)
+        jump = max(abs(both.below - both.above) for both in crossings)
         numbers["jump of the acceleration where the mass crosses"] = text(jump, 12)
         finding += f"; the acceleration jumps, by {text(jump, 6)}"
     return evidence(ordered and worst < NO_FORCE, finding + ".", numbers)
@@ -165,27 +164,29 @@ def products_positive(scene: Scene, belt: int) -> Evidence:
     of the orbit.
     """
     p = scene.parameters
-    found = orbit_of(scene)
+    orbit = orbit_of(scene)
     if scene.v0 == p.belt(belt):
-        points = [start_contact(scene, belt)]
+        contacts = [start_contact(scene, belt)]
     else:
-        points = []
-    points += [at for at in scene_contacts(scene) if at.belt == belt]
-    for piece, point in zip(found.equations().pieces, found.points, strict=True):
+        contacts = []
+    contacts += [contact for contact in scene_contacts(scene) if contact.belt == belt]
+    for piece, point in zip(orbit.equations().pieces, orbit.points, strict=True):
         if piece.start == belt:
-            points.append(SceneContact(belt, point.t, point.x, number(p, p.Omega) * point.t))
-    both = [forces(p, at) for at in points]
-    products = [each.product for each in both]
+            contacts.append(SceneContact(belt, point.t, point.x, number(p, p.Omega) * point.t))
+    pairs = [forces(p, contact) for contact in contacts]
+    products = [pair.product for pair in pairs]
     numbers = {
-        "switching points (start, motion, periodic motion)": str(len(points)),
+        "switching points (start, motion, periodic motion)": str(len(contacts)),
         "lowest and highest product": text((min(products), max(products)), 10),
     }
     names = force_names(*NEIGHBOURS[belt])
-    for at, each in list(zip(points, both, strict=True))[-2:]:
-        numbers[f"{names} at t = {text(at.t, 12)} (periodic motion)"] = text(each[:2], 12)
+    for contact, (below, above, _) in list(zip(contacts, pairs, strict=True))[-2:]:
+        numbers[f"{names} at t = {text(contact.t, 12)} (periodic motion)"] = text(
+            (below, above), 12
+        )
     least = text(min(products), 8)
     finding = (
-        f"At all {len(points)} switching points the product is positive; the smallest is {least}."
+        f"At all {len(contacts)} switching points the product is positive; the smallest is {least}."
     )
     return evidence(min(products) > 0, finding, numbers)
 
@@ -195,31 +196,30 @@ def passes(scene: Scene, belt: int) -> Evidence:
     p = scene.parameters
     path = motion(scene)
     (lo, hi) = NEIGHBOURS[belt]
-    places: dict[str, list[SceneContact]] = {"up": [], "down": []}
+    passages = {"up": (f"Omega{lo}", f"Omega{hi}"), "down": (f"Omega{hi}", f"Omega{lo}")}
+    positions: dict[str, list[Any]] = {"up": [], "down": []}
     right = True
-    for at, event in zip(scene_contacts(scene), path.events, strict=True):
-        below, above, _ = forces(p, at)
+    for contact, event in zip(scene_contacts(scene), path.events, strict=True):
+        below, above, _ = forces(p, contact)
         if below > 0 and above > 0:
-            way = "up"
+            direction = "up"
         elif below < 0 and above < 0:
-            way = "down"
+            direction = "down"
         else:
-            way = ""
-        to = {"up": (f"Omega{lo}", f"Omega{hi}"), "down": (f"Omega{hi}", f"Omega{lo}")}.get(way)
-        right = right and event.kind == "cross" and (event.source, event.target) == to
-        if way:
-            places[way].append(at.x)
+            direction = ""
+        expected = passages.get(direction)
+        right = right and event.kind == "cross" and (event.source, event.target) == expected
+        if direction:
+            positions[direction].append(contact.x)
     numbers = {
-        f"passages {way}: number, x from, to": f"{len(found)}, {text((min(found), max(found)), 9)}"
-        for way, found in places.items()
-        if found
+        f"passages {direction}: number, x from, to": f"{len(xs)}, {text((min(xs), max(xs)), 9)}"
+        for direction, xs in positions.items()
+        if xs
     } | {"contacts": str(len(path.events))}
     finding = (
         f"All {len(path.events)} contacts are passages to the side that both forces point to: up "
-        "where both are "
-    )
-    finding += (
-        f"positive ({len(places['up'])}), down where both are negative ({len(places['down'])})."
+        f"where both are positive ({len(positions['up'])}), down where both are negative "
+        f"({len(positions['down'])})."
     )
     return evidence(right and path.events, finding, numbers)
 
@@ -227,14 +227,13 @@ def passes(scene: Scene, belt: int) -> Evidence:
 def never_sticks(scene: Scene) -> Evidence:
     """Check that neither the motion from the printed start nor the periodic motion sticks."""
     path = motion(scene)
-    found = orbit_of(scene)
+    orbit = orbit_of(scene)
     modes = sorted({segment.mode for segment in path.segments})
-    none = not any(mode.startswith("belt") for mode in modes) and not {"P1", "P4"} & set(
-        found.labels
-    )
+    motion_sticks = any(mode.startswith("belt") for mode in modes)
+    orbit_sticks = not {"P1", "P4"}.isdisjoint(orbit.labels)
     count = len(sticks(scene))
     until = text(path.t_end, 6)
-    velocities = found([float(found.period) * i / 2000 for i in range(2000)])[1]
+    _, velocities = orbit([float(orbit.period) * i / 2000 for i in range(2000)])
     numbers = {
         "modes of motion": ", ".join(map(mode_text, modes)),
         f"sticks, passages until t = {until}": f"{count}, {len(path.events)}",
@@ -243,52 +242,49 @@ def never_sticks(scene: Scene) -> Evidence:
     }
     finding = (
         f"The motion has {count} sticks and {len(path.events)} passages of the boundary until t = "
-        f"{until}; it is "
+        f"{until}; it is in {' and '.join(map(mode_text, modes))} only."
     )
-    finding += f"in {' and '.join(map(mode_text, modes))} only."
-    return Evidence(verdict(none), finding, numbers)
+    return Evidence(verdict(not motion_sticks and not orbit_sticks), finding, numbers)
 
 
 def stick_parts(scene: Scene, label: str, count: int) -> Evidence:
     """Count the sticks `label` (P1 or P4) in one period of the periodic motion, and measure how
     long they last.
     """
-    found = orbit_of(scene)
-    ends = [*[point.t for point in found.points[1:]], found.points[0].t + found.period]
-    lasts = [
+    orbit = orbit_of(scene)
+    ends = [*[point.t for point in orbit.points[1:]], orbit.points[0].t + orbit.period]
+    durations = [
         end - point.t
-        for each, point, end in zip(found.labels, found.points, ends, strict=True)
-        if each == label
+        for mapping, point, end in zip(orbit.labels, orbit.points, ends, strict=True)
+        if mapping == label
     ]
-    numbers = {f"length of stick {i}": text(value, 20) for i, value in enumerate(lasts, 1)}
-    numbers["period"] = text(found.period, 20)
+    numbers = {f"length of stick {i}": text(value, 20) for i, value in enumerate(durations, 1)}
+    numbers["period"] = text(orbit.period, 20)
     finding = (
-        f"One period of {subscripted(found.word)} has {len(lasts)} parts {subscripted(label)}, "
+        f"One period of {subscripted(orbit.word)} has {len(durations)} parts {subscripted(label)}, "
+        f"{' and '.join(text(value, 8) for value in durations)} long: "
+        f"{100 * float(sum(durations) / orbit.period):.2f} % of the period."
     )
-    finding += (
-        f"{' and '.join(text(value, 8) for value in lasts)} long: "
-        f"{100 * float(sum(lasts) / found.period):.2f} "
-    )
-    finding += "% of the period."
-    return Evidence(verdict(len(lasts) == count), finding, numbers)
+    return Evidence(verdict(len(durations) == count), finding, numbers)
 
 
 def onsets(scene: Scene, belt: int) -> Evidence:
     """Check that the product of both forces is negative wherever the mass begins to stick, on the
     printed motion.
     """
-    found = [stick.onset for stick in sticks(scene) if stick.belt == belt]
-    both = [forces(scene.parameters, at) for at in found]
-    products = [each.product for each in both]
-    if not found:
+    contacts = [stick.onset for stick in sticks(scene) if stick.belt == belt]
+    pairs = [forces(scene.parameters, contact) for contact in contacts]
+    products = [pair.product for pair in pairs]
+    if not contacts:
         raise Refuted(f"There is no stick on belt {belt}.", {"sticks": "0"})
     names = force_names(*NEIGHBOURS[belt])
+    shown = zip(contacts[:SHOWN_STICKS], pairs[:SHOWN_STICKS], strict=True)
     numbers = {
-        f"{names} at t = {text(at.t, 14)}": text(each[:2], 12)
-        for at, each in zip(found[:4], both[:4], strict=True)
+        f"{names} at t = {text(contact.t, 14)}": text((below, above), 12)
+        for contact, (below, above, _) in shown
     } | {"lowest and highest product": text((min(products), max(products)), 10)}
     finding = (
-        f"At all {len(found)} blue points the product is negative; the highest is "
+        f"At all {len(contacts)} blue points the product is negative; the highest is "
         f"{text(max(products), 7)}."
     )
     return evidence(max(products) < 0, finding, numbers)
@@ -296,36 +292,33 @@ def onsets(scene: Scene, belt: int) -> Evidence:
 
 def ends(scene: Scene, belt: int) -> Evidence:
     """Check that one force vanishes where a stick ends, and that a flight into its domain follows."""
-    found = [stick for stick in sticks(scene) if stick.belt == belt and stick.end is not None]
-    if not found:
+    ended = [stick for stick in sticks(scene) if stick.belt == belt and stick.end is not None]
+    if not ended:
         raise Refuted(f"No stick on belt {belt} ends.", {"sticks": "0"})
     held = True
     numbers = {}
-    names = force_names(*NEIGHBOURS[belt])
-    for i, stick in enumerate(found):
-        both = forces(scene.parameters, stick.end)[:2]
-        free = [
-            domain for domain, force in zip(NEIGHBOURS[belt], both, strict=True) if is_zero(force)
-        ]
-        held = held and [stick.into] == [f"Omega{domain}" for domain in free]
-        if i < 4:
+    (lo, hi) = NEIGHBOURS[belt]
+    names = force_names(lo, hi)
+    for i, stick in enumerate(ended):
+        below, above, _ = forces(scene.parameters, stick.end)
+        forceless = [domain for domain, force in ((lo, below), (hi, above)) if is_zero(force)]
+        held = held and [stick.into] == [f"Omega{domain}" for domain in forceless]
+        if i < SHOWN_STICKS:
             numbers[f"{names} at t = {text(stick.end.t, 14)}, into"] = (
-                f"{force_text(*both)}, {mode_text(stick.into)}"
+                f"{force_text(below, above)}, {mode_text(stick.into)}"
             )
-    into = [stick.into for stick in found]
-    ways = [
+    targets = [stick.into for stick in ended]
+    exits = [
         (
-            f"{into.count(f'Omega{domain}')} times {force_names(domain)}, into "
+            f"{targets.count(f'Omega{domain}')} times {force_names(domain)}, into "
             f"{mode_text(f'Omega{domain}')}"
         )
-        for domain in NEIGHBOURS[belt]
+        for domain in (lo, hi)
     ]
     finding = (
-        f"At all {len(found)} green points one force is 0 and the mass slips into its domain: "
-    )
-    finding += (
-        f"{', and '.join(ways)}. Eq. ({51 + belt}) of the paper knows "
-        f"{force_names(NEIGHBOURS[belt][1])} only."
+        f"At all {len(ended)} green points one force is 0 and the mass slips into its domain: "
+        f"{', and '.join(exits)}. Eq. ({EXIT_EQUATIONS[belt]}) of the paper knows "
+        f"{force_names(hi)} only."
     )
     return evidence(held, finding, numbers)
 
@@ -334,14 +327,17 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
     """Check whether eqs. (54) determine a periodic motion: as printed or, if `closed`, with closing
     conditions.
     """
-    found = orbit_of(scene)
+    orbit = orbit_of(scene)
     p = scene.parameters
     Omega = number(p, p.Omega)
-    count = len(found.labels)
-    points = [(point.x, Omega * point.t) for point in found.points]
-    points.append((points[0][0], points[0][1] + Omega * found.period))
+    count = len(orbit.labels)
+    points = [(point.x, Omega * point.t) for point in orbit.points]
+    (x, theta) = points[0]
+    points.append((x, theta + Omega * orbit.period))
+    # The unknowns are x and theta at the n + 1 points. Two rows for each mapping, (54), and two
+    # that close the orbit: the last point is the first one, a period later.
     rows = np.zeros((2 * count + 2, 2 * count + 2))
-    for i, label in enumerate(found.labels):
+    for i, label in enumerate(orbit.labels):
         rows[2 * i : 2 * i + 2, 2 * i : 2 * i + 4] = jacobian(
             p, label, points[i], points[i + 1]
         ).astype(float)
@@ -351,28 +347,31 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
         printed = rows
     else:
         printed = rows[: 2 * count]
-    rank, full = (int(np.linalg.matrix_rank(matrix)) for matrix in (printed, rows))
-    at = [start_contact(scene, motion(scene).events[0].boundary), *scene_contacts(scene)[:count]]
-    rest = [
-        max(map(abs, residual(p, label, (a.x, Omega * a.t), (b.x, Omega * b.t))))
-        for label, (a, b) in zip(motion(scene).word[:count], pairwise(at), strict=True)
+    rank, full_rank = (int(np.linalg.matrix_rank(matrix)) for matrix in (printed, rows))
+    contacts = [
+        start_contact(scene, motion(scene).events[0].boundary),
+        *scene_contacts(scene)[:count],
     ]
-    unknowns = printed.shape[1]
-    free = printed.shape[1] - rank
+    residuals = [
+        max(map(abs, residual(p, label, (a.x, Omega * a.t), (b.x, Omega * b.t))))
+        for label, (a, b) in zip(motion(scene).word[:count], pairwise(contacts), strict=True)
+    ]
+    equations, unknowns = printed.shape
+    free = unknowns - rank
     numbers = {
-        f"unknowns and equations of (54) for {subscripted(found.word)}": f"{unknowns}, "
-        f"{printed.shape[0]}",
+        f"unknowns and equations of (54) for {subscripted(orbit.word)}": f"{unknowns}, {equations}",
         "rank of its Jacobian at the orbit": str(rank),
-        "rank with the closing conditions": str(full),
-        "largest residual of (54) on the motion from the printed start": text(max(rest), 2),
-        "x at the end of that motion's first round minus x₀": text(at[-1].x - at[0].x, 10),
+        "rank with the closing conditions": str(full_rank),
+        "largest residual of (54) on the motion from the printed start": text(max(residuals), 2),
+        "x at the end of that motion's first round minus x₀": text(
+            contacts[-1].x - contacts[0].x, 10
+        ),
     }
     finding = (
         f"(54) leaves {free} of {unknowns} unknowns open. The motion from the printed start of "
-        "Fig. "
+        f"Fig. {scene.name.removeprefix('fig')} fulfils it, and is not periodic."
     )
-    finding += f"{scene.name.removeprefix('fig')} fulfils it, and is not periodic."
-    return Evidence(verdict(not free, full == unknowns), finding, numbers)
+    return Evidence(verdict(not free, full_rank == unknowns), finding, numbers)
 
 
 # --- is the printed start on the periodic orbit, and if not, does one misprinted number explain it?
@@ -383,12 +382,12 @@ def start_on_orbit(scene: Scene) -> Evidence:
     """Compare the printed start, which is on a belt, with the switching points of the periodic
     motion.
     """
-    found = orbit_of(scene)
+    orbit = orbit_of(scene)
     path = motion(scene)
-    near = found.approach(scene, WITHIN)
+    near = orbit.approach(scene, WITHIN)
     on_orbit = max(abs(near.dt), abs(near.dx)) <= LAST_HALF_UNIT
-    period = float(found.period)
-    name = subscripted(found.word)
+    period = float(orbit.period)
+    name = subscripted(orbit.word)
     count = min(3, int((float(path.t_end) - float(path.t_start)) / period))
     states = [path(float(scene.t0) + i * period) for i in range(count + 1)]
     numbers = {
@@ -398,7 +397,7 @@ def start_on_orbit(scene: Scene) -> Evidence:
         f"{near.offset_v:+.7f}",
         f"periods until x and ẋ are within {WITHIN:g} for good": str(near.periods),
         f"switching points of {name}: t, x": "; ".join(
-            text((point.t, point.x), 9) for point in found.points
+            text((point.t, point.x), 9) for point in orbit.points
         ),
     }
     for i, (before, after) in enumerate(pairwise(states), 1):
@@ -420,13 +419,9 @@ def start_on_orbit(scene: Scene) -> Evidence:
         higher = "lower"
     finding = (
         f"The start is not on the periodic motion {name}, whose nearest switching point is "
-        f"{abs(near.dt):.6f} "
+        f"{abs(near.dt):.6f} {later} and {abs(near.dx):.6f} {higher} in x. The motion is within "
+        f"{WITHIN:g} of it after {near.periods} period{'' if near.periods == 1 else 's'}."
     )
-    finding += (
-        f"{later} and {abs(near.dx):.6f} {higher} in x. The motion is within {WITHIN:g} of it "
-        "after "
-    )
-    finding += f"{near.periods} period{'' if near.periods == 1 else 's'}."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
@@ -440,68 +435,71 @@ def start_or_misprint(scene: Scene) -> Evidence:
     start = search_start(scene)
     parameters = search_parameters(scene)
     numbers = dict(distance.numbers)
-    found = [*parameters, *start]
-    for each in found:
-        if each.orbit:
-            what = "orbit minus start"
-        else:
-            what = "misses the start after one period by"
-        value = f"nearest at {each.value:.6g}: {what} {each.dt:+.4f} in t, {each.dx:+.4f} in x"
-        if each.name in PARAMETER_NAMES:
-            value += f"; searched {each.searched[0]:.5g} to {each.searched[1]:.5g}"
-        numbers[f"{each.name} free"] = value
+    candidates = [*parameters, *start]
+    for near in candidates:
+        numbers[f"{near.name} free"] = _nearest_text(near)
     numbers |= _end_of_stick(scene)
     free = (
         f"each of {len(parameters)} parameters and {len(start)} numbers of the start left free in "
         "turn"
     )
-    explaining = " or ".join(f"{each.name} = {each.value:.5g}" for each in found if each.explains)
+    explaining = " or ".join(
+        f"{near.name} = {near.value:.5g}" for near in candidates if near.explains
+    )
     if explaining:
         finding = (
             f"{distance.finding} With {free}: {explaining} puts the start on the orbit, to all "
             "printed digits."
         )
         return Evidence(CORRECTED, finding, numbers)
-    best = min(found, key=lambda each: each.distance)
+    best = min(candidates, key=lambda near: near.distance)
     finding = (
         f"{distance.finding} No single number explains the start. With {free}, parameters up to "
-        f"{REACH} times "
+        f"{REACH} times the printed value, the motion misses the start after one period by "
+        f"{best.distance:.4f} at least, in t or x (with {best.name} = {best.value:.5g}); an orbit "
+        f"would have to go through it to within {float(LAST_HALF_UNIT)}."
     )
-    finding += (
-        f"the printed value, the motion misses the start after one period by {best.distance:.4f} "
-        "at least, in t "
-    )
-    finding += (
-        f"or x (with {best.name} = {best.value:.5g}); an orbit would have to go through it to "
-        "within "
-    )
-    finding += f"{float(LAST_HALF_UNIT)}."
-    for each in start:
-        printed = f"{float(getattr(scene, each.name)):.4f}"
-        orbit = f"{each.value:.4f}"
-        if each.name != "v0" and [a == b for a, b in zip_longest(printed, orbit)].count(False) == 1:
+    for near in start:
+        printed = f"{float(getattr(scene, near.name)):.4f}"
+        orbit = f"{near.value:.4f}"
+        digits = list(zip_longest(printed, orbit))
+        if near.name != "v0" and sum(a != b for a, b in digits) == 1:
             finding += (
-                f" The orbit's {each.name} = {orbit} differs from the printed {printed} in one "
-                "digit"
+                f" The orbit's {near.name} = {orbit} differs from the printed {printed} in one "
+                "digit, but the other number of the start does not agree."
             )
-            finding += ", but the other number of the start does not agree."
     return Evidence(NOT_AS_PRINTED, finding, numbers)
 
 
+def _nearest_text(near: Nearest) -> str:
+    """Return as text how near to a periodic motion one number, left free, brings the start."""
+    if near.orbit:
+        gap = "orbit minus start"
+    else:
+        gap = "misses the start after one period by"
+    line = f"nearest at {near.value:.6g}: {gap} {near.dt:+.4f} in t, {near.dx:+.4f} in x"
+    if near.name in PARAMETER_NAMES:
+        low, high = near.searched
+        line += f"; searched {low:.5g} to {high:.5g}"
+    return line
+
+
 def _end_of_stick(scene: Scene) -> dict[str, str]:
-    """Return m F^(2), which is 0 where a stick ends, at a start on belt 2, with and without the
-    damping force c v2.
+    """Return lines on m F^(2) at a start on belt 2, with and without the damping force c v2.
+
+    It is 0 where a stick ends in domain 2.
     """
     p = scene.parameters
     if scene.v0 != p.v2:
         return {}
     theta = float(p.Omega * scene.t0)
-    known = float(p.A(2) - p.k * scene.x0) + float(p.B0) * cos(theta)
+    undamped = float(p.A(2) - p.k * scene.x0) + float(p.B0) * cos(theta)
+    # By how much half a unit of the printed x0 and t0 changes the force.
     spread = float(LAST_HALF_UNIT) * (float(p.k) + abs(float(p.B0 * p.Omega) * sin(theta)))
     return {
-        "m F⁽²⁾ at the start": f"{known - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end "
+        "m F⁽²⁾ at the start": f"{undamped - float(p.c * p.v2):+.4f} ± {spread:.4f} (0 at the end "
         "of a stick)",
-        "m F⁽²⁾ without the damping c v₂": f"{known:+.4f} ± {spread:.4f}",
+        "m F⁽²⁾ without the damping c v₂": f"{undamped:+.4f} ± {spread:.4f}",
     }
 
 
@@ -519,6 +517,10 @@ REACH = 10
 LEAST = 1e-3
 # How many periods a motion is followed: the event at which it comes back can be late.
 FOLLOWED = Fraction(5, 4)
+# The smallest misses in whose neighbourhood is searched, and the miss below which the orbit itself
+# is sought there.
+VALLEYS = 3
+ORBIT_NEAR = 0.002
 
 
 @dataclass(frozen=True)
@@ -560,12 +562,14 @@ def search_start(scene: Scene) -> list[Nearest]:
     t0 = float(scene.t0)
     x0 = float(scene.x0)
     gaps = _gaps(orbit, scene)
-    dt, off_x = min(gaps, key=lambda gap: abs(gap[1]))
-    off_t, dx = min(gaps, key=lambda gap: abs(gap[0]))
+    # With t0 free, the best switching point is the one whose x is nearest; with x0 free, the one
+    # whose t is. With v0 free, the orbit is taken at t0, wherever it is.
+    dt_free, dx_left = min(gaps, key=lambda gap: abs(gap[1]))
+    dt_left, dx_free = min(gaps, key=lambda gap: abs(gap[0]))
     x, v = orbit(t0)
     return [
-        Nearest("t0", t0 + dt, 0.0, off_x),
-        Nearest("x0", x0 + dx, off_t, 0.0),
+        Nearest("t0", t0 + dt_free, 0.0, dx_left),
+        Nearest("x0", x0 + dx_free, dt_left, 0.0),
         Nearest("v0", float(v), 0.0, float(x) - x0),
     ]
 
@@ -575,7 +579,7 @@ def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) ->
     nearest first.
     """
     return sorted(
-        (_search_parameter(scene, name) for name in names), key=lambda each: each.distance
+        (_search_parameter(scene, name) for name in names), key=lambda near: near.distance
     )
 
 
@@ -595,18 +599,18 @@ def _search_parameter(scene: Scene, name: str) -> Nearest:
     orbit = False
     padded = np.array([inf, *sizes, inf])
     valleys = np.flatnonzero((sizes <= padded[:-2]) & (sizes <= padded[2:]) & (sizes < inf))
-    for i in valleys[np.argsort(sizes[valleys])][:3]:
+    for i in valleys[np.argsort(sizes[valleys])][:VALLEYS]:
         around = float(values[max(i - 1, 0)]), float(values[min(i + 1, len(values) - 1)])
-        at, miss = _least(lambda number: _misses(scene, name, np.array([number]))[0], around)
-        if np.abs(miss).max() < 0.002:
-            exact, gap = _least(lambda number: _gap(scene, name, number), around)
+        nearest, miss = _least(lambda number: _misses(scene, name, np.array([number]))[0], around)
+        if np.abs(miss).max() < ORBIT_NEAR:
+            nearest, gap = _least(lambda number: _gap(scene, name, number), around)
             if np.abs(gap).max() < np.abs(best).max():
                 best = gap
-                value = exact
+                value = nearest
                 orbit = True
         elif np.abs(miss).max() < np.abs(best).max():
             best = miss
-            value = at
+            value = nearest
     return Nearest(
         name, value, float(best[0]), float(best[1]), orbit, (float(values[0]), float(values[-1]))
     )
@@ -621,12 +625,11 @@ def _least(
     """
 
     def size(number: float) -> float:
-        return min(
-            float(np.abs(miss(float(number))).max()), 1e9
-        )  # parabolas through infinite values are none
+        # Finite: the search lays parabolas through the values.
+        return min(float(np.abs(miss(float(number))).max()), 1e9)
 
-    found = minimize_scalar(size, bounds=around, method="bounded")
-    return float(found.x), np.asarray(miss(float(found.x)))
+    number = float(minimize_scalar(size, bounds=around, method="bounded").x)
+    return number, np.asarray(miss(number))
 
 
 def range_of(p: Parameters, name: str) -> tuple[float, float]:
@@ -671,9 +674,8 @@ def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:
     dt = table.t - t0 - periods[table.trajectory]
     dx = table.x - x0
     size = np.where(table.boundary == boundary, np.maximum(np.abs(dt), np.abs(dx)), inf)
-    for row in np.lexsort(
-        (-size, table.trajectory)
-    ):  # the last one of each trajectory is the nearest
+    # Each trajectory's events come from the farthest to the nearest, so that the nearest one stays.
+    for row in np.lexsort((-size, table.trajectory)):
         if size[row] < inf:
             misses[table.trajectory[row]] = dt[row], dx[row]
     return misses

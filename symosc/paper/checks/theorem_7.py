@@ -47,14 +47,10 @@ def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, 
     """
     g = gamma
     a = amplitude
-    # the sine of Theta_cr
+    # d is |Theta_cr|; where there is no Theta_cr, no case that holds has d in it.
     if a and abs(g) <= abs(a):
-        ratio = -g / a
-    else:
-        ratio = None
-    # |Theta_cr|
-    if ratio is not None:
-        d = quarter_turns(abs(ratio), root(1 - ratio * ratio))
+        sine = -g / a
+        d = quarter_turns(abs(sine), root(1 - sine * sine))
     else:
         d = ZERO
     if MAPS[mapping].side > 0:
@@ -87,6 +83,7 @@ def quarter_turns(s: Any, c: Any) -> Any:
     """Convert an angle, given by sine and cosine, to a rational number in [0, 4) that grows with
     the angle.
     """
+    # In each quarter the part of it is |sine| or |cosine| over the sum of both, 0 to 1.
     if s >= 0:
         if c > 0:
             return s / (s + c)
@@ -99,6 +96,7 @@ def quarter_turns(s: Any, c: Any) -> Any:
 def angle(where: Any) -> float:
     """Convert a number that `quarter_turns` returned to the angle in radians."""
     quarter, part = divmod(float(where), 1.0)
+    # `part` is sine/(sine + cosine) of the rest, so that its tangent is part/(1 - part).
     return (quarter + atan2(part, 1.0 - part) * 2 / pi) * pi / 2
 
 
@@ -125,6 +123,7 @@ def zero_force_contact(
     and cos of theta.
     """
     where = MAPS[mapping]
+    # Any values do for what gamma, the amplitude and the phase do not fix.
     m = Fraction(2)
     k = Fraction(3)
     Omega = Fraction(3, 2)
@@ -137,8 +136,9 @@ def zero_force_contact(
         v2 = speed
     drive = {"B0": amplitude * m / Omega, "Omega": Omega}
     p = Parameters(m=m, c=1, k=k, A0=1, **drive, v1=v1, v2=v2, mu1="1/2", mu2="1/3", FN=2)
-    contact = RationalContact(p, where.end.boundary, Fraction(0), s, c)
-    return RationalContact(p, where.end.boundary, m * contact.force(where.domain) / k, s, c)
+    # The force falls with x by k/m: this x makes it 0.
+    origin = RationalContact(p, where.end.boundary, Fraction(0), s, c)
+    return RationalContact(p, where.end.boundary, m * origin.force(where.domain) / k, s, c)
 
 
 DRIVES = (Fraction(3), Fraction(7, 4))
@@ -165,7 +165,7 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Contac
     """Compare a mapping's printed cases with the flow at all exact contacts whose B0 Omega/m is one
     of `drives`.
     """
-    found = []
+    rows = []
     domain = MAPS[mapping].domain
     for amplitude in drives:
         for gamma in (ratio * (abs(amplitude) or 2) for ratio in RATIOS):
@@ -173,17 +173,11 @@ def rows_of(mapping: str, drives: tuple[Fraction, ...] = DRIVES) -> tuple[Contac
             for s, c in RATIONAL_PHASES:
                 contact = zero_force_contact(mapping, gamma, amplitude, s, c)
                 grazes = contact.grazes(domain)
-                special = contact.slope(domain) == 0 and abs(gamma) == abs(amplitude)
-                for case in cases:
-                    found.append(
-                        ContactRow(
-                            case[0],
-                            is_inside([case], quarter_turns(s, c)) == grazes,
-                            grazes,
-                            special,
-                        )
-                    )
-    return tuple(found)
+                fourth_order = contact.slope(domain) == 0 and abs(gamma) == abs(amplitude)
+                for case, arcs in cases:
+                    right = is_inside([(case, arcs)], quarter_turns(s, c)) == grazes
+                    rows.append(ContactRow(case, right, grazes, fourth_order))
+    return tuple(rows)
 
 
 @cache
@@ -238,6 +232,7 @@ def window(mapping: str, *scenes: str) -> Evidence:
             f"; at the other {len(wrong)} the flow grazes to fourth order, at the phase that they "
             "exclude"
         )
+    # `all(counts.values())`: each case has contacts.
     right_elsewhere = not generic and not mismatches and all(counts.values()) and all(ends)
     return evidence(right_elsewhere, f"{finding}.", numbers, verdict(not wrong, corrected=True))
 
@@ -246,36 +241,39 @@ def _same_ends(mapping: str) -> list[bool]:
     """Say for each pair (gamma, B0 Omega/m) whether `grazing_window` computes the arcs that are
     printed.
     """
-    found = []
+    agreed = []
     for gamma, amplitude in PAIRS:
         p = zero_force_contact(mapping, gamma, amplitude, *RATIONAL_PHASES[0]).p
-        ours = [
+        computed = [
             (low, high, closed)
             for low, high, closed, _ in grazing_window(p, mapping, "paper").intervals
         ]
         for _, arcs in printed_window(mapping, gamma, amplitude):
             printed = [(angle(arc.low), angle(arc.high), arc.closed) for arc in arcs]
-            same = np.shape(ours) == np.shape(printed)
-            found.append(
-                bool(same and (not arcs or np.abs(np.subtract(ours, printed)).max() < 1e-14))
-            )
-    return found
+            if np.shape(computed) != np.shape(printed):
+                agreed.append(False)
+            else:  # numpy has no maximum of nothing
+                agreed.append(
+                    bool(not arcs or np.abs(np.subtract(computed, printed)).max() < 1e-14)
+                )
+    return agreed
 
 
 def complete(*mappings: str) -> Evidence:
     """Check whether the printed lists of cases cover every pair (gamma, B0 Omega/m > 0), each once."""
     numbers: dict[str, Any] = {}
     missing: set[Fraction] = set()
-    several = grazing = 0
+    several = 0
+    grazing = 0
     for mapping in mappings:
-        held = [len(printed_window(mapping, *pair)) for pair in PAIRS]
-        none = [pair for pair, count in zip(PAIRS, held, strict=True) if count == 0]
-        missing |= {gamma / size for gamma, size in none}
-        several += sum(count > 1 for count in held)
+        counts = [len(printed_window(mapping, *pair)) for pair in PAIRS]
+        without_case = [pair for pair, count in zip(PAIRS, counts, strict=True) if count == 0]
+        missing |= {gamma / size for gamma, size in without_case}
+        several += sum(count > 1 for count in counts)
         grazing += sum(row.grazes for row in rows_of(mapping) if not row.case)
         equation = f"({PLACES[mapping].equation})"
-        numbers[f"{equation}: pairs with exactly one case"] = f"{held.count(1)} of {len(PAIRS)}"
-        shown = ", ".join(f"γ = {gamma}, B₀Ω/m = {size}" for gamma, size in none)
+        numbers[f"{equation}: pairs with exactly one case"] = f"{counts.count(1)} of {len(PAIRS)}"
+        shown = ", ".join(f"γ = {gamma}, B₀Ω/m = {size}" for gamma, size in without_case)
         numbers[f"{equation}: pairs with no case"] = shown or "0"
     numbers |= {"pairs with several cases": several, "contacts without a case that graze": grazing}
     if not missing:
@@ -290,15 +288,17 @@ def complete(*mappings: str) -> Evidence:
 def negative_drive() -> Evidence:
     """Check the printed cases for B0 < 0 and B0 = 0, which nothing in section 2 excludes."""
     numbers: dict[str, Any] = {}
-    wrong = without = total = 0
+    wrong = 0
+    without = 0
+    total = 0
     for mapping, where in PLACES.items():
         rows = [row for row in rows_of(mapping, (-DRIVES[0], Fraction(0))) if not row.fourth_order]
-        bad = [row.case for row in rows if row.case and not row.right]
-        cases = ", ".join(f"({where.equation}.{case})" for case in sorted(set(bad)))
+        wrong_cases = [row.case for row in rows if row.case and not row.right]
+        cases = ", ".join(f"({where.equation}.{case})" for case in sorted(set(wrong_cases)))
         numbers[f"cases of ({where.equation}) that hold for B₀ ≤ 0 and are wrong"] = cases or "none"
-        wrong = wrong + len(bad)
-        without = without + sum(row.case == 0 for row in rows)
-        total = total + len(rows)
+        wrong += len(wrong_cases)
+        without += sum(row.case == 0 for row in rows)
+        total += len(rows)
     numbers |= {
         "exact contacts with B₀ ≤ 0": total,
         "a printed case holds and is wrong": wrong,
@@ -314,14 +314,14 @@ def negative_drive() -> Evidence:
 def equality() -> Evidence:
     """Check gamma = +-B0 Omega/m: does the flow graze at the phase that (55.2), (56.5), (57.2) and
     (58.5) exclude?
-
-    ?
     """
     numbers: dict[str, Any] = {}
-    excluded = returning = 0
+    excluded = 0
+    returning = 0
     for mapping in PLACES:
         where = MAPS[mapping]
         for size in DRIVES:
+            # There F, G^(1) and G^(2) vanish where the sine is -gamma/size, its top or bottom.
             gamma = where.side * size
             sine = Fraction(-where.side)
             contact = zero_force_contact(mapping, gamma, size, sine, Fraction(0))
@@ -351,16 +351,16 @@ def equality() -> Evidence:
 #: The mappings that can end where a flow grazes: the named one, and the one from the other belt.
 ENDS = {"P2": ("P2",), "P3": ("P3", "P7"), "P5": ("P5", "P8"), "P6": ("P6",)}
 #: Grazes at these phases, of the oscillators of these figures, are traced back.
+TRACED_PHASES = (0.3, 1.3, 2.3, 3.3, 4.4, 5.5)
 TRACED = {"fig5": ("P2", "P3", "P5", "P6"), "fig8": ("P3", "P5"), "fig10": ("P5", "P6")}
 
 
 def without_force() -> Evidence:
     """Check Theorem 7 as printed, without the hypothesis F = 0: does a phase in its set imply a
     graze?
-
-    ?
     """
-    arrivals = inside = 0
+    arrivals = 0
+    inside = 0
     shown: dict[str, Any] = {}
     for mapping, row in PLACES.items():
         where = MAPS[mapping]
@@ -374,13 +374,14 @@ def without_force() -> Evidence:
             arrivals += 1
             gamma = gamma_of(p, force, contact.speed)
             amplitude = p.B0 * p.Omega / p.m
-            says = printed_window(mapping, gamma, amplitude)
-            if is_inside(says, quarter_turns(contact.s, contact.c)):
+            cases = printed_window(mapping, gamma, amplitude)
+            if is_inside(cases, quarter_turns(contact.s, contact.c)):
                 if contact.grazes(where.domain):
                     raise ArithmeticError("a flow with F not 0 grazes")
                 inside += 1
+                (case, _) = cases[0]
                 shown = shown or {
-                    "one of them": f"{mapping}, ({row.equation}.{says[0][0]}); {contact}",
+                    "one of them": f"{mapping}, ({row.equation}.{case}); {contact}",
                     "γ, B₀Ω/m, F there": f"{gamma}, {amplitude}, {force}",
                     "what the exact flow does there": contact.goes_on,
                 }
@@ -391,9 +392,8 @@ def without_force() -> Evidence:
     } | shown
     finding = (
         "With F not 0 the flow of a domain goes straight through the boundary and cannot graze, "
-        "but its phase "
+        "but its phase can be in the printed set, as at the exact contact given here."
     )
-    finding += "can be in the printed set, as at the exact contact given here."
     return Evidence(verdict(not inside, corrected=True), finding, numbers)
 
 
@@ -401,15 +401,15 @@ def grazing_inequality() -> Evidence:
     """Check eqs. (61), (62), (65), (66): dF/dt along the flow is -(gamma + (B0 Omega/m) sin(Omega
     t_m)).
     """
-    wrong = differs = 0
+    wrong = 0
+    differs = 0
     cases = _zero_force_contacts()
     for domain, contact in cases:
         p = contact.p
         force = contact.force(domain)
         s = contact.s
-        slope = (
-            -p.c / p.m * force - p.k / p.m * contact.speed - p.B0 * p.Omega / p.m * s
-        )  # (62), (66): the left side
+        # The left side of (62) and (66).
+        slope = -p.c / p.m * force - p.k / p.m * contact.speed - p.B0 * p.Omega / p.m * s
         wrong += slope != contact.derivatives(domain)[1] or force != 0
         differs += slope != -(gamma_of(p, force, contact.speed) + p.B0 * p.Omega / p.m * s)
     numbers = {
@@ -430,13 +430,13 @@ def gamma_is_fixed() -> Evidence:
         for domain, contact in _zero_force_contacts()
         if contact.grazes(domain)
     ]
-    other = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
-    numbers = {"exact grazes": len(grazes), "γ not k v_λ/m": other}
+    different = sum(gamma_of(c.p, force, c.speed) != c.p.k * c.speed / c.p.m for c, force in grazes)
+    numbers = {"exact grazes": len(grazes), "γ not k v_λ/m": different}
     finding = (
         f"At all {len(grazes)} exact grazes ẍ = 0 and γ = k v_λ/m: the parameters alone choose the "
         "case."
     )
-    return evidence(not other, finding, numbers)
+    return evidence(not different, finding, numbers)
 
 
 def one_unknown_is_free() -> Evidence:
@@ -464,27 +464,22 @@ def one_unknown_is_free() -> Evidence:
     numbers |= {"equations, unknowns": "3 (f₁, f₂, F), 4", "rank": ", ".join(map(str, ranks))}
     finding = (
         f"The three equations have rank {min(ranks)} at {len(ranks)} grazes of Fig. 9's "
-        "oscillator; each given "
+        "oscillator; each given phase has its start."
     )
-    return evidence(
-        set(ranks) == {3} and len(starts) == len(ranks), f"{finding}phase has its start.", numbers
-    )
+    return evidence(set(ranks) == {3} and len(starts) == len(ranks), finding, numbers)
 
 
 def mappings_that_graze() -> Evidence:
     """Flow back from grazes and simulate up to them: are the mappings that end there P2, P3, P5, P6
     (Theorem 7)?
-
-    ?
     """
     counts: dict[str, Counter[str]] = {mapping: Counter() for mapping in PLACES}
     case = "none"
     for name, mappings in TRACED.items():
         p = load_scene(name).parameters
         for mapping in mappings:
-            for theta in filter(
-                grazing_window(p, mapping).contains, (0.3, 1.3, 2.3, 3.3, 4.4, 5.5)
-            ):
+            window_of_map = grazing_window(p, mapping)
+            for theta in filter(window_of_map.contains, TRACED_PHASES):
                 start = grazing_start(p, mapping, theta)
                 end = Fraction(float(start.t_m)) + Fraction(1, 1000)
                 motion = recorded(simulate(p, **start.start, t_end=end, max_events=1))
@@ -504,21 +499,21 @@ def mappings_that_graze() -> Evidence:
                     )
     numbers = {
         f"grazes that the paper calls {mapping}, by the mapping that ends there": ", ".join(
-            f"{label} {count}" for label, count in sorted(found.items())
+            f"{label} {count}" for label, count in sorted(labels.items())
         )
-        for mapping, found in counts.items()
+        for mapping, labels in counts.items()
     } | {"a graze by another mapping": case}
     total = sum(map(Counter.total, counts.values()))
-    lost = sum(found["no graze"] for found in counts.values())
+    lost = sum(labels["no graze"] for labels in counts.values())
     if lost or not all(counts.values()):
         return Evidence(UNDECIDED, f"{lost} of {total} grazes could not be followed.", numbers)
     finding = (
         "Flowing back from a graze, the flow comes from the planes of the mapping that the paper "
         "names"
     )
-    if any(found[mapping] < found.total() for mapping, found in counts.items()):
+    if any(labels[mapping] < labels.total() for mapping, labels in counts.items()):
         finding += (
             "; in domain 2 also from the other belt, by P₇ or P₈, whose end is the graze then"
         )
-    strange = any(set(found) - set(ENDS[mapping]) for mapping, found in counts.items())
+    strange = any(set(labels) - set(ENDS[mapping]) for mapping, labels in counts.items())
     return Evidence(verdict(not strange), f"{finding}.", numbers)

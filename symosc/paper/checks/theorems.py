@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -98,24 +98,21 @@ def general_system() -> Evidence:
 
     x, v, m, c, k, A, B0, Omega, t = sp.symbols("x v m c k A B0 Omega t")
     field = sp.Matrix([v, (A + B0 * sp.cos(Omega * t) - k * x - c * v) / m])
-    linear = all(field.jacobian([x, v]).diff(each).is_zero_matrix for each in (x, v))
+    linear = all(field.jacobian([x, v]).diff(letter).is_zero_matrix for letter in (x, v))
     numbers = {
         "n for (10)": field.rows,
         "entries of ∂F/∂(x, ẋ) that depend on x or ẋ": "0" if linear else "some",
     }
     finding = (
         "(13) lays down the systems that are meant. (10) is one with n = 2, linear in each domain: "
-        "its solutions "
+        "its solutions exist for all times, and are smooth as Lemmas 1 to 3 ask."
     )
-    return Evidence(
-        DEFINITION, f"{finding}exist for all times, and are smooth as Lemmas 1 to 3 ask.", numbers
-    )
+    return Evidence(DEFINITION, finding, numbers)
 
 
 def general_g_functions() -> Evidence:
-    """Check that (15) and (16) are the first two derivatives of n .
-
-    (x^(alpha) - x^(0)), by the product rule.
+    """Check that (15) and (16) are the first two derivatives of the product of n and x^(alpha) -
+    x^(0), by the product rule.
     """
     import sympy as sp
 
@@ -132,9 +129,8 @@ def general_g_functions() -> Evidence:
     }
     finding = (
         "(15) and (16) are the first and second derivative of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾) along the flows, for "
-        "any n(x⁽⁰⁾, "
+        "any n(x⁽⁰⁾, t)."
     )
-    finding += "t)."
     return evidence(not any(rests), finding, numbers, DEFINITION)
 
 
@@ -172,9 +168,8 @@ def reduced_g_functions() -> Evidence:
     numbers = {f"({14 + i}) minus ({17 + i})": rest for i, rest in enumerate(rests, 1)}
     finding = (
         "With n constant (15) and (16) are nᵀ(ẋ⁽ᵅ⁾ − ẋ⁽⁰⁾) and nᵀ(ẍ⁽ᵅ⁾ − ẍ⁽⁰⁾); x⁽⁰⁾ stays in the "
-        "plane nᵀx = "
+        "plane nᵀx = const, so that nᵀẋ⁽⁰⁾ = nᵀẍ⁽⁰⁾ = 0, and (18) and (19) remain."
     )
-    finding += "const, so that nᵀẋ⁽⁰⁾ = nᵀẍ⁽⁰⁾ = 0, and (18) and (19) remain."
     return evidence(not any(rests), finding, numbers)
 
 
@@ -197,29 +192,30 @@ def boundary_dimension() -> Evidence:
 
 def time_before_and_after() -> Evidence:
     """Check the words after (19): which of t_m+ and t_m- is before the contact."""
-    passing = before = 0
+    passing = 0
+    before = 0
     for contact in all_contacts():
         lo, hi = contact.domains
         for source, target, side in ((lo, hi, -1), (hi, lo, 1)):
             if contact.passes and contact.next_mode == f"Omega{target}":
                 passing += 1
                 before += contact.side(source, after=False) == side
-    # t± = t ± 0, after (17)
+    # By t± = t ± 0, after (17), minus is the time before.
     if before == passing:
-        ours = "tₘ₋"
+        time_before = "tₘ₋"
     else:
-        ours = "tₘ₊"
+        time_before = "tₘ₊"
     numbers = {
         "exact contacts at which the flow passes": passing,
         "in the domain that it comes from at tₘ − 10⁻⁸": before,
         "the paper's name of the time before": BEFORE,
-        "its name by t± = t ± 0, after (17)": ours,
+        "its name by t± = t ± 0, after (17)": time_before,
     }
     finding = (
-        f"The time before a contact is {ours} by the definition t± = t ± 0, {BEFORE} by the words "
-        "after (19)."
+        f"The time before a contact is {time_before} by the definition t± = t ± 0, {BEFORE} by the "
+        "words after (19)."
     )
-    return Evidence(verdict(ours == BEFORE, corrected=True), finding, numbers)
+    return Evidence(verdict(time_before == BEFORE, corrected=True), finding, numbers)
 
 
 def g_functions_are_derivatives() -> Evidence:
@@ -238,10 +234,11 @@ def g_functions_are_derivatives() -> Evidence:
         "largest |ẍ(tₘ) − G⁽⁰⁾|": max(values),
         "largest |d³x/dt³(tₘ) − G⁽¹⁾|": max(slopes),
     }
-    finding = "G⁽⁰⁾ and G⁽¹⁾ are the first two derivatives of ẋ along the flow, exactly, "
-    return evidence(
-        max(values) == max(slopes) == 0, f"{finding}in {len(values)} rational cases.", numbers
+    finding = (
+        "G⁽⁰⁾ and G⁽¹⁾ are the first two derivatives of ẋ along the flow, exactly, in "
+        f"{len(values)} rational cases."
     )
+    return evidence(max(values) == max(slopes) == 0, finding, numbers)
 
 
 def derivative_along_the_flow() -> Evidence:
@@ -307,48 +304,60 @@ HELD_WITHOUT_FORCE = RationalContact(
     s=Fraction(0),
     c=Fraction(-1),
 )
-Test = Callable[[RationalContact], bool]
-# The printed condition, whether the exact flow does it, its name, and where the condition is not
-# necessary.
-LEMMAS: dict[int, tuple[str, Test, str, str]] = {
-    1: ("slides, (20)", lambda c: c.sticks and _both_come(c), "slides", "where a G⁽⁰⁾ is 0"),
-    2: ("passes, (21), (22)", lambda c: c.passes, "passes", "where a G⁽⁰⁾ is 0"),
-    3: ("grazes", _grazes, "touches and returns", "where G⁽⁰⁾ = G⁽¹⁾ = 0"),
+
+
+class Statement(NamedTuple):
+    """A lemma or theorem: what it says of a contact, and where that is not necessary."""
+
+    condition: str  # the printed one: a key of CONDITIONS, or "grazes"
+    holds: Callable[[RationalContact], bool]  # whether the exact flow does it
+    action: str  # what it does
+    exception: str  # where the condition is not necessary
+
+
+LEMMAS: dict[int, Statement] = {
+    1: Statement(
+        "slides, (20)", lambda c: c.sticks and _both_come(c), "slides", "where a G⁽⁰⁾ is 0"
+    ),
+    2: Statement("passes, (21), (22)", lambda c: c.passes, "passes", "where a G⁽⁰⁾ is 0"),
+    3: Statement("grazes", _grazes, "touches and returns", "where G⁽⁰⁾ = G⁽¹⁾ = 0"),
 }
-THEOREMS: dict[int, tuple[str, Test, str, str]] = {
-    4: ("sticks, (26), (27)", lambda c: c.sticks, "sticking", "a force that is exactly 0"),
-    5: ("passes, (34), (35)", lambda c: c.passes, "passing", "a force that is exactly 0"),
-    6: ("grazes", _grazes, "grazing", "F = 0 and G⁽¹⁾ = 0 together"),
+THEOREMS: dict[int, Statement] = {
+    4: Statement("sticks, (26), (27)", lambda c: c.sticks, "sticking", "a force that is exactly 0"),
+    5: Statement("passes, (34), (35)", lambda c: c.passes, "passing", "a force that is exactly 0"),
+    6: Statement("grazes", _grazes, "grazing", "F = 0 and G⁽¹⁾ = 0 together"),
 }
 
 
 def lemma(which: int) -> Evidence:
     """Check Lemma 1, 2 or 3, eqs. (20) to (24), with the normal vector in either direction."""
-    printed, true, what, zero = LEMMAS[which]
+    condition, holds, action, exception = LEMMAS[which]
     cases = [
-        (contact, _as_printed(contact, printed), true(contact))
+        (contact, _as_printed(contact, condition), holds(contact))
         for contact in (HELD_WITHOUT_FORCE, *all_contacts())
     ]
-    wrong = sum(said and not done for _, said, done in cases)
-    missed = [contact for contact, said, done in cases if done and not said]
+    wrong = sum(printed and not true for _, printed, true in cases)
+    missed = [contact for contact, printed, true in cases if true and not printed]
     numbers: dict[str, Any] = {
         "exact contacts": len(cases),
-        f"condition fulfilled, and it {what}": sum(said and done for _, said, done in cases),
+        f"condition fulfilled, and it {action}": sum(
+            printed and true for _, printed, true in cases
+        ),
         "condition fulfilled, and it does not": wrong,
     }
     if wrong or not missed:
         return evidence(not wrong, "Necessary and sufficient at all contacts.", numbers)
-    numbers["a contact that is left out"] = missed[0]
-    for alpha in missed[0].domains:
+    example = missed[0]
+    numbers["a contact that is left out"] = example
+    for alpha in example.domains:
         numbers[f"F({alpha}) there, and its derivatives"] = ", ".join(
-            map(str, missed[0].derivatives(alpha))
+            map(str, example.derivatives(alpha))
         )
-    numbers["what the exact flow does there"] = missed[0].goes_on
+    numbers["what the exact flow does there"] = example.goes_on
     finding = (
-        f"Sufficient at all contacts. Not necessary: {zero} the next derivative decides, as at the "
-        "one given "
+        f"Sufficient at all contacts. Not necessary: {exception} the next derivative decides, as "
+        "at the one given here."
     )
-    finding += "here."
     return Evidence(CORRECTED, finding, numbers)
 
 
@@ -359,10 +368,10 @@ def necessary_and_sufficient() -> Evidence:
     numbers = {}
     verdicts = []
     for which, name in enumerate(("stick (20)", "passing (21), (22)", "grazing (23), (24)"), 1):
-        found = lemma(which)
-        verdicts.append(found.verdict)
-        numbers[name] = found.finding
-        numbers[f"{name}: contacts"] = found.numbers["exact contacts"]
+        result = lemma(which)
+        verdicts.append(result.verdict)
+        numbers[name] = result.finding
+        numbers[f"{name}: contacts"] = result.numbers["exact contacts"]
     finding = "All three are sufficient; none is necessary where a G-function that it uses is 0."
     return evidence(set(verdicts) == {CORRECTED}, finding, numbers, CORRECTED)
 
@@ -371,22 +380,23 @@ def theorem(which: int, boundary: int) -> Evidence:
     """Check the "iff" of Theorem 4, 5 or 6, eqs. (26), (27), (34), (35), (38) to (43), against the
     exact flow.
     """
-    printed, true, what, degenerate = THEOREMS[which]
+    condition, holds, action, exception = THEOREMS[which]
     cases = contacts(boundary)
     simulated = _simulated(boundary)
 
     def is_degenerate(contact: RationalContact) -> bool:
+        # Every graze has F = 0: an exception to Theorem 6 has G^(1) = 0 as well.
         return any(
             contact.force(a) == 0 and (which < 6 or contact.slope(a) == 0) for a in contact.domains
         )
 
     regular = sum(not is_degenerate(contact) for contact in cases)
-    wrong = [contact for contact in cases if _as_printed(contact, printed) != true(contact)]
+    wrong = [contact for contact in cases if _as_printed(contact, condition) != holds(contact)]
     generic = [contact for contact in wrong if not is_degenerate(contact)]
     numbers: dict[str, Any] = {
         "rational contacts": len(cases),
-        f"of them {what} by the exact flow": sum(map(true, cases)),
-        f"without {degenerate}": regular,
+        f"of them {action} by the exact flow": sum(map(holds, cases)),
+        f"without {exception}": regular,
         "of these, the flow does otherwise than printed": len(generic),
         "starts at t = 0 that were simulated": len(simulated),
         "of them not as the exact flow": simulated.count(False),
@@ -400,10 +410,9 @@ def theorem(which: int, boundary: int) -> Evidence:
             }
         numbers["what happens there"] = contact.goes_on
     finding = (
-        f"Right at all {regular} contacts without {degenerate}. With it the next derivative that "
-        "is not 0 "
+        f"Right at all {regular} contacts without {exception}. With it the next derivative that "
+        "is not 0 decides; one such contact is given here, where the printed condition fails."
     )
-    finding += "decides; one such contact is given here, where the printed condition fails."
     return evidence(
         not generic and all(simulated), finding, numbers, verdict(not wrong, corrected=True)
     )
@@ -414,7 +423,7 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
     """Return for each contact at phase 0 whether `simulate`, started there, agrees with the exact
     flow.
     """
-    found = []
+    agreed = []
     for contact in contacts(boundary):
         if contact.s == 0 and contact.c == 1:
             # So short a time later the motion still is as it was at the beginning.
@@ -422,15 +431,13 @@ def _simulated(boundary: int) -> tuple[bool, ...]:
             motion = simulate(
                 contact.p, t0=0, x0=contact.x, v0=contact.speed, t_end=end, max_events=1
             )
-            found.append(motion.mode(0.0) == contact.next_mode)
-    return tuple(found)
+            agreed.append(motion.mode(0.0) == contact.next_mode)
+    return tuple(agreed)
 
 
 def theorem_6_both_sides() -> Evidence:
     """Check eqs. (44) and (45) as printed: can both forces be 0 and both inequalities hold at one
     contact?
-
-    ?
     """
     questions = {
         "contacts that graze, with G⁽¹⁾ not 0": _grazes,
@@ -441,17 +448,15 @@ def theorem_6_both_sides() -> Evidence:
     }
     cases = [c for c in all_contacts() if all(c.slope(alpha) for alpha in c.domains)]
     numbers = tally(cases, questions)
-    grazing, _, each = numbers.values()
+    grazing, _, on_one_side = numbers.values()
     numbers["least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts"] = min(
         below - above for below, above in (c.forces for c in cases)
     )
     finding = (
-        f"Read for α = 1 or α = 2, as in Theorem 6, (44) and (45) hold at {each} of {grazing} "
-        "grazing contacts; "
+        f"Read for α = 1 or α = 2, as in Theorem 6, (44) and (45) hold at {on_one_side} of "
+        f"{grazing} grazing contacts; with friction both forces cannot vanish together."
     )
-    return evidence(
-        each == grazing, f"{finding}with friction both forces cannot vanish together.", numbers
-    )
+    return evidence(on_one_side == grazing, finding, numbers)
 
 
 def no_repelling_boundary() -> Evidence:
@@ -482,21 +487,27 @@ def grazing_definition() -> Evidence:
     flow that returns.
     """
     kinds = ("F = 0, G⁽¹⁾ ≠ 0", "F = G⁽¹⁾ = 0, G⁽²⁾ ≠ 0", "F = G⁽¹⁾ = G⁽²⁾ = 0")
-    returning: list[list[bool]] = [[], [], []]
+    # For each of the `kinds`: whether the flow returns, at each such contact.
+    by_kind: tuple[list[bool], list[bool], list[bool]] = ([], [], [])
+    first_order, second_order, third_order = by_kind
     for contact in all_contacts():
         for alpha in contact.domains:
-            force, first, second, _ = contact.derivatives(alpha)
-            if force == 0:
-                order = next((i for i, value in enumerate((first, second)) if value), 2)
-                returning[order].append(contact.grazes(alpha))
+            force, slope, curvature, _ = contact.derivatives(alpha)
+            if force != 0:
+                continue
+            if slope:
+                returns = first_order
+            elif curvature:
+                returns = second_order
+            else:
+                returns = third_order
+            returns.append(contact.grazes(alpha))
     numbers = {
-        f"{kind}: contacts, of them the flow returns": f"{len(found)}, {sum(found)}"
-        for kind, found in zip(kinds, returning, strict=True)
+        f"{kind}: contacts, of them the flow returns": f"{len(returns)}, {sum(returns)}"
+        for kind, returns in zip(kinds, by_kind, strict=True)
     }
     finding = (
-        f"The definition asks for tangency and return, not for an order: {sum(returning[2])} exact "
-        "contacts of "
+        f"The definition asks for tangency and return, not for an order: {sum(third_order)} exact "
+        "contacts of fourth order return to their domain, and graze by it."
     )
-    return Evidence(
-        DEFINITION, f"{finding}fourth order return to their domain, and graze by it.", numbers
-    )
+    return Evidence(DEFINITION, finding, numbers)
