@@ -2,8 +2,9 @@
 follow which.
 
 The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2
-first. That text is its mapping structure. `read_word` makes a `Word` of a text, and ``str`` a text
-of a `Word`; nothing else converts them. A list that a user gives reads like the text.
+first. That text is its mapping structure. `read_word` checks a text and makes a `Word` of it, and
+``str`` a text of a `Word`. Only `cycle` takes a text apart without the check, because that text was
+written by ``str``. A list that a user gives reads like the text.
 `Trajectory.word` and `Word.labels` are in order of time, a text (`Scene.structure`,
 `PeriodicOrbit.word`) is from right to left.
 """
@@ -72,7 +73,10 @@ class Word(NamedTuple):
 
     @property
     def cycle(self) -> Word:
-        """The rotation whose labels come first in their order: that which all answers write."""
+        """The rotation whose labels, in order of time, come first in the alphabet.
+
+        All results about orbits write this rotation.
+        """
         first = first_of_cycle(self.labels)
         return Word(self.labels[first:] + self.labels[:first])
 
@@ -131,9 +135,9 @@ def first_of_cycle(labels: Sequence[str]) -> int:
 
 
 def cycle(word: str) -> str:
-    """Return the text of `Word.cycle` for the text of a word.
+    """Return the text of `Word.cycle` for the text of a word that ``str`` wrote.
 
-    P32 for P32 and for P23; "" for "".
+    P32 for P32 and for P23; "" for "". A word with grazes passes too, which `read_word` refuses.
     """
     if word:
         return str(Word(tuple(f"P{digit}" for digit in reversed(word[1:]))).cycle)

@@ -200,7 +200,7 @@ def frequency_response(
         )
     ((name, axis),) = over.items()
     if name not in NUMBER_NAMES:
-        allowed = f"unknown parameter; choose from {', '.join(NUMBER_NAMES)}"
+        allowed = f"is not a parameter of the model; choose one of {', '.join(NUMBER_NAMES)}"
         raise ParameterError("over", name, allowed + meant(str(name), NUMBER_NAMES))
     values = read_axis(name, axis)
     rows = list[Record]()

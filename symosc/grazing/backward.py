@@ -613,7 +613,7 @@ class Origins:
         if p.k == 0:
             raise ParameterError(
                 "k",
-                "0",
+                p.k,
                 "must be > 0 here: without a spring F = 0 fixes the phase, not the contact",
             )
         self.p = p

@@ -219,12 +219,14 @@ def check_grazing(
     window = grazing_window(p, mapping)
     if p.k == 0:
         raise ParameterError(
-            "k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m"
+            "k", p.k, "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m"
         )
     ways = Ways(window)
     if p.B0 == 0 and ways.speed == 0:
         raise ParameterError(
-            "B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever"
+            "B0",
+            p.B0,
+            "must not be 0 if v_lambda is 0, because the flow then never leaves the belt",
         )
     theta = np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
     mismatches = list[dict[str, str]]()

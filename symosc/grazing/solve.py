@@ -158,7 +158,7 @@ def solve_grazing(
     ((name, value),) = given.items()
     if p.k == 0:
         raise ParameterError(
-            "k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact"
+            "k", p.k, "must be > 0 here: without a spring F = 0 fixes the phase, not the contact"
         )
     if p.B0 == 0 and name in ("x_i", "x_j"):
         raise ParameterError(

@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 
 #: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of
 #: fills the panels.
-SPANS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
+SCENE_ENDS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
 #: A periodic scene is shown for this many periods of the excitation.
 PERIODS_SHOWN = 2.5
 #: More events than these are a black band, and take long to draw.
@@ -148,22 +148,19 @@ def figure(
         motion = subject
         usual = "abcd"
     panels = read_panels(usual if panels is None and ax is None else panels, PANELS, ax)
-    if boundary is None:
-        boundary = None
-    else:
+    if boundary is not None:
         boundary = whole_number("boundary", boundary, 1, 2)
     columns = whole_number("columns", columns, 1, 2)
     since = -inf
     if skip is not None:
         begin = float(motion.t_start)
         end = float(motion.t_end)
-        after = end_time(
-            skip, motion.parameters, begin
-        )  # of periods such as "10T"; else what is given
-        if after is skip:
+        # A text of periods such as "10T" becomes a time; anything else comes back as it is.
+        time_after = end_time(skip, motion.parameters, begin)
+        if time_after is skip:
             since = begin + float(read_number("skip", skip)[0])
         else:
-            since = float(after)
+            since = float(time_after)
         if not begin <= since < end:
             raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
     view = view_of(motion, boundary, since=since, style=common.read_style(style, figure))
@@ -256,9 +253,10 @@ def simulate_orbit(orbit: PeriodicOrbit, periods: float) -> Trajectory:
 
 def default_end(scene: Scene) -> Any:
     """Return the default end time of a scene's figure."""
-    end: Any = SPANS.get(scene.name, scene.t_end)
+    end: Any = SCENE_ENDS.get(scene.name, scene.t_end)
     if scene.structure:
         end = float(scene.t0) + PERIODS_SHOWN * 2 * pi / float(scene.parameters.Omega)
+    # A scene of a shipped name may start later than the shipped one ends.
     if end > scene.t0:
         return min(end, scene.t_end)
     return scene.t_end
@@ -331,6 +329,8 @@ END_MARKERS = {
     "vanishing of a flight": "P",
 }
 ORDINALS = ("", "2nd ", "3rd ")
+#: The least distance of labels at the right end of the curves, as a part of their whole range.
+LABEL_GAP = 0.05
 # Stability -> line style; the styles differ without colours.
 STABILITY_STYLES: Record = {"stable": "-", "marginal": "-.", "not stable": (0, (4, 2))}
 
@@ -360,8 +360,9 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     from symosc.orbits.branch import Branch
 
     require(Branch, branch=branch)
-    how: Record = {"alone": "b", "letter_at": -0.12}
-    with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **how) as (drawing, row):
+    layout: Record = {"alone": "b", "letter_at": -0.12}
+    # `panels_for` has drawn the panels when it yields their axes.
+    with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **layout) as (drawing, row):
         for axes in row:
             axes.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
             for end in branch.ends:
@@ -369,6 +370,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
                     axes.axvline(end.value, color="0.6", lw=0.6, zorder=0)
         _write_words(row[-1], branch)
         entries = common.legend_entries(row)
+        # The unit circle comes last in the legend. Only the panel of multipliers shows it.
         unit = {label: entries.pop(label) for label in ("unit circle",) if label in entries}
         for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in END_MARKERS):
             entries[kind] = Line2D(
@@ -401,10 +403,9 @@ def _positions(ax: Axes, branch: Branch) -> None:
         _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
     last = int(np.argmax(branch.values))
     below = -inf
-    for i in np.argsort(branch.points[last, :, 1]):  # from below, none over another
-        below = max(
-            float(branch.points[last, i, 1]), below + 0.05 * float(np.ptp(branch.points[:, :, 1]))
-        )
+    least_gap = LABEL_GAP * float(np.ptp(branch.points[:, :, 1]))
+    for i in np.argsort(branch.points[last, :, 1]):  # from below, so that no label covers another
+        below = max(float(branch.points[last, i, 1]), below + least_gap)
         place = branch.values[last], below
         ax.annotate(
             typeset(branch.labels[i]),
@@ -446,10 +447,10 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
     columns = np.column_stack([values, trace, determinant])
     sizes = np.ptp(columns, axis=0)
     steps = np.linalg.norm(np.diff(columns, axis=0) / np.where(sizes == 0, 1, sizes), axis=1)
-    from scipy.interpolate import (
-        Akima1DInterpolator,
-    )  # takes longer to load than most figures to draw
+    # scipy.interpolate takes longer to load than most figures to draw.
+    from scipy.interpolate import Akima1DInterpolator
 
+    # The interpolation needs abscissas that increase, so points at no distance are left out.
     keep = np.concatenate([[True], steps > 1e-12])
     along = np.cumsum(np.concatenate([[0.0], steps]))[keep]
     if len(along) > 2:
@@ -589,10 +590,10 @@ def border_figure(
         if len(borders) == 1:
             drawing.draw_without_rendering()  # the limits of the axes decide which way is across
             _write_words_beside(axes, borders[0])
-        for point, of in {
-            point.values: (point, curve) for curve in borders for point in curve.special
-        }.values():
-            place = [point.values[of.parameters.index(name)] for name in names]
+        # By their values: a point that two borders share is drawn once.
+        special = {point.values: (point, curve) for curve in borders for point in curve.special}
+        for point, curve in special.values():
+            place = [point.values[curve.parameters.index(name)] for name in names]
             if point.kind == "fold":
                 face = "white"
                 label = "fold"
@@ -618,14 +619,15 @@ def _write_words_beside(ax: Axes, border: Border) -> None:
     """
 
     def room(i: int) -> float:
+        """Return how far the point i is from the axes' frame, as a part of the axes' size."""
         within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))
         return float(min(*within, *(1 - within)))
 
     i = max((len(border) * part // 8 for part in range(1, 8)), key=room)
     for word, beside in zip(border.words, border.beside(i, "1e-3"), strict=True):
         there = [float(getattr(beside, name)) for name in border.parameters]
-        way = ax.transData.transform(there) - ax.transData.transform(border.points[i])
-        x, y = WORD_OFFSET * way / np.linalg.norm(way)
+        direction = ax.transData.transform(there) - ax.transData.transform(border.points[i])
+        x, y = WORD_OFFSET * direction / np.linalg.norm(direction)
         if abs(x) < WORD_OFFSET / 2:
             side: Any = "center"
         elif x > 0:

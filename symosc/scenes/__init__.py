@@ -171,9 +171,10 @@ class Scene(Drawable):
         """Raise ParameterError if an argument is not of its type."""
         for name in ("name", "source", "structure"):
             value = getattr(self, name)
-            is_text = isinstance(value, str) and (name != "name" or value.strip())
-            if not is_text and not (name == "structure" and value is None):
+            if not isinstance(value, str) and not (name == "structure" and value is None):
                 raise ParameterError(name, value, "must be text")
+        if not self.name.strip():
+            raise ParameterError("name", self.name, "must be text that is not empty")
         if not isinstance(self.parameters, Parameters | OtherModel):
             raise ParameterError(
                 "parameters", self.parameters, "must be Parameters or an OtherModel"

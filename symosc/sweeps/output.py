@@ -171,7 +171,9 @@ def output_path(path: Any) -> Path:
     name = read_path(path)
     target = Path(name)
     if name == STDOUT:
-        raise OutputError(name, "a sweep goes to a file, beside which its chunks are kept")
+        raise OutputError(
+            name, "a sweep must be written to a file, because its chunks are kept beside it"
+        )
     if target.suffix.lower() not in WRITERS:
         raise OutputError(name, f"a sweep's name must end in {', '.join(WRITERS)}")
     if not target.parent.is_dir():

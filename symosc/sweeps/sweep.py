@@ -244,7 +244,9 @@ def dask_client(address: str) -> Any:
     Client = optional("distributed", "a dask cluster", "sweep").Client
     if address.endswith(".json"):
         if not Path(address).is_file():  # dask would wait for it
-            raise ParameterError("executor", address, "scheduler file not found")
+            raise ParameterError(
+                "executor", address, "must be the name of an existing scheduler file"
+            )
         return Client(scheduler_file=address, timeout=CONNECT_SECONDS)
     try:
         return Client(address, timeout=CONNECT_SECONDS)

@@ -222,7 +222,8 @@ def _of_columns(columns: Mapping[str, Any], lines: list[str] | None = None) -> M
     if not cells["t"]:
         raise ParameterError("data", "no rows", ALLOWED)
     if len({len(column) for column in cells.values()}) > 1:
-        raise ParameterError("data", len(cells["t"]), "must have columns of one length")
+        lengths = ", ".join(f"{name} of length {len(column)}" for name, column in cells.items())
+        raise ParameterError("data", lengths, "must have columns of one length")
     place = partial(_place, lines)
 
     def numbers(name: str) -> list[float]:

@@ -107,6 +107,7 @@ class FitProblem:
 
     def evaluate(self, values: np.ndarray) -> Evaluation:
         """Return residuals, derivatives and motion; ParameterError for values of no motion."""
+        # The search asks for residuals and for slopes at the same values, one after the other.
         key = tuple(values.tolist())
         if self._last is None or self._last[0] != key:
             self.effort.motions += 1
@@ -118,6 +119,7 @@ class FitProblem:
 
     def _motion(self, values: np.ndarray) -> tuple[Parameters, dict[str, Any]]:
         """Return the parameters and the start with these values, as `simulate` takes them."""
+        # As texts: `replace` and `simulate` read them exactly.
         new = dict(zip(self.names, map(repr, values.tolist()), strict=True))
         changes = {name: new[name] for name in self.names if name in PARAMETER_NAMES}
         start = {name: new.get(name, getattr(self.scene, name)) for name in STARTS}
@@ -164,7 +166,8 @@ class FitProblem:
             events = np.flatnonzero(kinds == kind)
             if not len(events):
                 continue
-            after = np.clip(np.searchsorted(times[events], measured.t[rows]), 1, len(events) - 1)
+            # The nearest event is the one before a measured time or the one after it.
+            after = np.maximum(np.searchsorted(times[events], measured.t[rows]), 1)
             after = np.minimum(after, len(events) - 1)
             before = np.maximum(after - 1, 0)
             gaps = times[events[[before, after]]] - measured.t[rows]
