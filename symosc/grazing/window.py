@@ -259,7 +259,7 @@ class GrazingWindow(Drawable, LatexAnswer):
             return np.full(theta.shape, self.kind == EVERYTHING)
         distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
         inside = distance * (self.place.side * self.signs[1]) > 0
-        # numpy's sine is right to 1e-15.
+        # numpy's sine is right to 1e-15; phases nearer to an end are decided exactly.
         close = np.nonzero(np.abs(distance) <= 1e-12)
         for index in zip(*close, strict=True):
             inside[index] = self._sign_at(theta[index]) > 0
@@ -339,8 +339,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         """Decide exactly whether a contact at theta grazes: 1 if it does, -1 if not, 0 at an end of
         the window.
         """
-        # an array of dimension 0
-        if isinstance(theta, np.ndarray):
+        if isinstance(theta, np.ndarray):  # of dimension 0
             theta = theta[()]
         exact: Any
         if isinstance(theta, str):
