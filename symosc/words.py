@@ -115,12 +115,12 @@ class Word(NamedTuple):
         """
         sides: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
-            fit = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
+            leaves = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
             if after.domain == NEIGHBOURS[step.end.boundary][0]:
                 side = "below"
             else:
                 side = "above"
-            sides.append(side if fit else None)
+            sides.append(side if leaves else None)
         return tuple(sides)
 
     def __str__(self) -> str:
@@ -130,7 +130,7 @@ class Word(NamedTuple):
 def first_of_cycle(labels: Sequence[str]) -> int:
     """Return the index at which the least rotation of `labels` begins, by the order of the labels."""
     count = len(labels)
-    twice = [*labels, *labels]
+    twice = [*labels, *labels]  # which has every rotation as a slice
     return min(range(count), key=lambda i: twice[i : i + count], default=0)
 
 
@@ -148,6 +148,8 @@ def cycle(word: str) -> str:
 #: looked for.
 MOST_PRINTED = 40
 LONGEST_PART = 64
+#: A group that is repeated less often is not written as one.
+LEAST_TIMES = 3
 
 
 class Labels(list[str]):
@@ -174,27 +176,31 @@ def collapsed(labels: Sequence[str]) -> str:
     """
     if len(labels) <= MOST_PRINTED:
         return " ".join(labels)
-    # begin, length and number of the repetitions
-    best = (0, 1, 0)
+    # The repetitions that cover most labels.
+    begin = 0
+    length = 1
+    times = 0
     count = len(labels)
-    for length in range(1, min(LONGEST_PART, count // 3) + 1):
-        same = next(
-            (n for n in range(count - 1 - length, -1, -1) if labels[n] != labels[n + length]), -1
+    for period in range(1, min(LONGEST_PART, count // LEAST_TIMES) + 1):
+        # From the end: the last label that is not repeated a period later.
+        last_other = next(
+            (n for n in range(count - 1 - period, -1, -1) if labels[n] != labels[n + period]), -1
         )
-        times = (count - 1 - same) // length
-        if times * length > best[1] * best[2]:
-            best = same + 1, length, times
-    begin, length, times = best
-    if times < 3:
+        repeated = (count - 1 - last_other) // period
+        if repeated * period > length * times:
+            begin = last_other + 1
+            length = period
+            times = repeated
+    if times < LEAST_TIMES:
         return f"{' '.join(labels[: MOST_PRINTED // 2])} … {' '.join(labels[-MOST_PRINTED // 2 :])}"
-    part = labels[begin : begin + length]
+    group = labels[begin : begin + length]
     head = labels[:begin]
     tail = labels[begin + times * length :]
     if len(head) > MOST_PRINTED:
-        shown: Sequence[str] = [*head[:MOST_PRINTED], "…"]
+        beginning: Sequence[str] = [*head[:MOST_PRINTED], "…"]
     else:
-        shown = head
-    return " ".join([*shown, f"({' '.join(part)})×{times}", *tail])
+        beginning = head
+    return " ".join([*beginning, f"({' '.join(group)})×{times}", *tail])
 
 
 #: The most mappings of a word, and the most characters of its text.
