@@ -49,8 +49,9 @@ def minimum(
     """
     from scipy.optimize import least_squares
 
+    # `least_squares` needs a start strictly within its bounds.
     begin = np.clip(first, problem.low * (1 + 1e-9), np.inf)
-    problem.evaluate(begin)
+    problem.evaluate(begin)  # raises the error of first numbers that no motion has
 
     def residuals(values: np.ndarray) -> np.ndarray:
         try:
@@ -83,8 +84,9 @@ def starts(first: np.ndarray) -> np.ndarray:
     from scipy.stats import qmc
 
     count = STARTS_TRIED[min(len(first), len(STARTS_TRIED)) - 1]
-    points = qmc.Halton(len(first), scramble=False).random(count + 1)[1:]
+    points = qmc.Halton(len(first), scramble=False).random(count + 1)[1:]  # the first one is 0
     ratios = REACH ** (2.0 * points - 1.0)
+    # A number that begins at 0 has no size to be multiplied: it is moved to both sides.
     spread = np.where(first == 0.0, np.log(ratios), first * ratios)
     return np.concatenate([[first], spread])
 
@@ -96,7 +98,7 @@ def candidates(problem: FitProblem, first: np.ndarray) -> Iterator[np.ndarray]:
     tried = starts(first)
     costs = np.log1p((np.array([rough.distances(values) for values in tried]) / large) ** 2)
     times = np.sort(rough.measured.t)
-    least = 3 * len(first) + 3
+    least = 3 * len(first) + 3  # times that a first part has, if there are so many
     done = set()
     for part in PARTS:
         count = min(len(times), max(least, ceil(part * len(times))))
