@@ -281,7 +281,7 @@ class OtherModel:
         if self.Omega <= 0:
             raise ParameterError("Omega", show(self.Omega), "must be > 0")
         cos, sin, exact = cos_sin(self.angle)
-        down, press = (self.m * self.g * part for part in (sin, cos))
+        down, press = (self.m * self.g * component for component in (sin, cos))
         A0 = self.A0 + down
         if self.FN is None:
             FN = press
@@ -298,8 +298,10 @@ class OtherModel:
             gained = forces / (self.m * self._pace(B0))
             speeds = gained + abs(self.v1) + self.shift.bound()
             v2 = self.v1 + FAR * Fraction(10) ** power_of_ten(speeds or Fraction(1))
-        same = {name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")}
-        return Parameters(**same, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
+        unchanged = {
+            name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")
+        }
+        return Parameters(**unchanged, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
 
     def _pace(self, B0: Fraction) -> Fraction:
         """Return the rate of the drive `B0` or, if there is none, of the free motion."""

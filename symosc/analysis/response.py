@@ -260,12 +260,16 @@ def respond(
     except ConvergenceError as error:
         return {"status": error.reason, "balance": balance}, before
     if row["amplitude"]:
-        part = balance / row["amplitude"] - 1
+        balance_error = balance / row["amplitude"] - 1
     elif balance == 0:
-        part = nan
+        balance_error = nan
     else:
-        part = inf
-    return {"status": status, "balance": balance, "balance_error": part} | row, orbit or before
+        balance_error = inf
+    return {
+        "status": status,
+        "balance": balance,
+        "balance_error": balance_error,
+    } | row, orbit or before
 
 
 def _unsettled(reason: str) -> ConvergenceError:

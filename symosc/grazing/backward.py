@@ -169,7 +169,7 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
     # Only steps of Newton's method can show that it has converged. A step that leaves the bracket
     # is replaced by a halving, whose length says nothing.
     sigma = 0.5 * (low + high)
-    before = high - low
+    last_step = high - low
     settled = eps**0.75
     for _ in range(20_000):  # at worst it halves its bracket: enough for thousands of digits
         value = _polynomial(p, sigma)
@@ -182,11 +182,11 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
             shift = -value / rise
         else:
             shift = high - low
-        if abs(shift) <= eps * sigma or (before <= abs(shift) <= settled * sigma):
+        if abs(shift) <= eps * sigma or (last_step <= abs(shift) <= settled * sigma):
             return sigma
         if low < sigma + shift < high:
             sigma = sigma + shift
-            before = abs(shift)
+            last_step = abs(shift)
         elif (following := 0.5 * (low + high)) in (low, high):
             return sigma
         else:
@@ -546,7 +546,7 @@ class Flights:
         """Find the time near `tau` at which v = `speed`, or, with `touch`, at which v is nearest to
         `speed`.
         """
-        before = None
+        last_shift = None
         for _ in range(200):
             now = self.instant(theta, tau)
             if not touch:
@@ -569,12 +569,12 @@ class Flights:
             if abs(shift) <= self.context.eps * 4 * abs(tau):
                 return tau
             if (
-                before is not None
-                and abs(shift) >= before
+                last_shift is not None
+                and abs(shift) >= last_shift
                 and abs(shift) < self.context.eps**0.75 * abs(tau)
             ):
                 return tau
-            before = abs(shift)
+            last_shift = abs(shift)
         return None
 
     def repeat_step(

@@ -267,7 +267,7 @@ def check_grazing(
         for j in np.nonzero(decided & ~right)[0]:
             disagree(phases[j], way, words[int(inside[j])], words[int(verdict[j] == YES)])
     by_sign, by_flow, _ = verdicts
-    near = offsets[(by_sign != NOT_DECIDED) & (by_flow != NOT_DECIDED)]
+    distances = offsets[(by_sign != NOT_DECIDED) & (by_flow != NOT_DECIDED)]
     return GrazingReport(
         mapping=mapping,
         window=repr(window),
@@ -280,7 +280,7 @@ def check_grazing(
         undecided=undecided,
         mismatches=tuple(mismatches),
         closest=closest,
-        closest_phase=float(near.min(initial=inf)),
+        closest_phase=float(distances.min(initial=inf)),
         orders={order: int((orders == order).sum()) for order in (1, 2, 3) if order in orders},
         finely=int(finely.sum()),
         seconds=time.perf_counter() - begin,

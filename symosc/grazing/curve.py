@@ -274,8 +274,10 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
     first = samples[0].theta_m
     last = samples[-1].theta_m
     margin = 0.1 * (last - first)
-    few = sum(first + margin < sample.theta_m < last - margin for sample in samples) < PIECE_POINTS
-    if few and last - first >= FINEST_CURVE:
+    has_few = (
+        sum(first + margin < sample.theta_m < last - margin for sample in samples) < PIECE_POINTS
+    )
+    if has_few and last - first >= FINEST_CURVE:
         between = [
             tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]
         ]
@@ -418,15 +420,15 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
         if edges is None:
             run.append(ahead.pop())
             continue
-        before, behind, border = edges
-        run += before
+        new_before, new_behind, border = edges
+        run += new_before
         last_before = run[-1]
-        first_behind = behind[-1]
+        first_behind = new_behind[-1]
         end_reason = _end_reason(tracer, last_before, first_behind)
         runs.append(PhaseRun(run, (begin, border), (reason, end_reason)))
         begin = border
         reason = _end_reason(tracer, first_behind, last_before)
-        ahead[-1:] = behind  # in place of `right`, which is the first of them
+        ahead[-1:] = new_behind  # in place of `right`, which is the first of them
         run = [ahead.pop()]
     runs.append(PhaseRun(run, (begin, high), (reason, limit)))
     first = runs[0]

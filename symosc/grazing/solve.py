@@ -344,8 +344,8 @@ class Candidates:
             wanted = float(target)
             for end, point, _ in ends:  # between the last sample and the end of the curve
                 gap = abs(end.theta_m - point.theta_m)
-                near = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
-                if gap > 0 and abs(wanted - point.value) <= near:
+                reachable = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
+                if gap > 0 and abs(wanted - point.value) <= reachable:
                     self._store_if_between(
                         self._newton(point.theta_m, point.tau, target), point, point, gap
                     )
@@ -455,11 +455,11 @@ class Candidates:
                 return
             gaps = first.value - wanted, last.value - wanted
             if gaps[0] != gaps[1]:
-                part = gaps[0] / (gaps[0] - gaps[1])
+                fraction = gaps[0] / (gaps[0] - gaps[1])
             else:
-                part = 0.5
-            theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
-            solution = self._newton(theta_m, first.tau + part * (last.tau - first.tau), target)
+                fraction = 0.5
+            theta_m = first.theta_m + fraction * (last.theta_m - first.theta_m)
+            solution = self._newton(theta_m, first.tau + fraction * (last.tau - first.tau), target)
             if self._store_if_between(solution, first, last):
                 return
             theta_m = 0.5 * (first.theta_m + last.theta_m)
@@ -505,12 +505,12 @@ class Candidates:
         for _ in range(MOST_CURVE_NEWTON):
             now = self.flights.instant(theta, tau)
             gap = now.v - self.flights.v
-            rest, by_theta, by_tau = self._equation(theta, tau, now, target)
+            residual, by_theta, by_tau = self._equation(theta, tau, now, target)
             determinant = now.v_theta * by_tau + now.a * by_theta
             if determinant == 0:
                 return None
-            theta_step = (-gap * by_tau - rest * now.a) / determinant
-            tau_step = (gap * by_theta - rest * now.v_theta) / determinant
+            theta_step = (-gap * by_tau - residual * now.a) / determinant
+            tau_step = (gap * by_theta - residual * now.v_theta) / determinant
             theta = theta + theta_step
             tau = tau + tau_step
             if settled:  # one step after that has all digits
@@ -537,11 +537,11 @@ class Candidates:
         theta = flights.number(phase)
         tau = flights.number(arrival.tau)
         for _ in range(MOST_CURVE_NEWTON):
-            rest, by_theta, _ = self._equation(theta, tau, flights.instant(theta, tau), target)
+            residual, by_theta, _ = self._equation(theta, tau, flights.instant(theta, tau), target)
             if by_theta == 0:
                 return None
-            theta -= rest / by_theta
-            if abs(rest / by_theta) <= flights.context.eps * 100:
+            theta -= residual / by_theta
+            if abs(residual / by_theta) <= flights.context.eps * 100:
                 return theta, tau
         return None
 

@@ -295,8 +295,8 @@ def assemble(
         if number == tall:
             draw_insets(ax, view)
         if len(panels) > 1:
-            place: Record = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
-            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
+            position: Record = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
+            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **position)
             title.set_in_layout(number != tall)  # the grid keeps that room free
         elif square:
             ax.set_box_aspect(1)
@@ -386,15 +386,15 @@ def _positions(ax: Axes, branch: Branch) -> None:
     """Draw the positions of the switching points over the parameter."""
     for i, label in enumerate(branch.labels):
         color = CURVE_COLORS[i % len(CURVE_COLORS)]
-        before = branch.labels[:i].count(label)
-        if before < len(ORDINALS):
-            name = f"start of {ORDINALS[before]}{label}"
+        earlier = branch.labels[:i].count(label)
+        if earlier < len(ORDINALS):
+            name = f"start of {ORDINALS[earlier]}{label}"
         else:
             name = None
-        for part, look in _stretches(branch):
+        for rows, look in _stretches(branch):
             ax.plot(
-                branch.values[part],
-                branch.points[part, i, 1],
+                branch.values[rows],
+                branch.points[rows, i, 1],
                 color=color,
                 ls=look,
                 lw=1.2,
@@ -406,10 +406,10 @@ def _positions(ax: Axes, branch: Branch) -> None:
     least_gap = LABEL_GAP * float(np.ptp(branch.points[:, :, 1]))
     for i in np.argsort(branch.points[last, :, 1]):  # from below, so that no label covers another
         below = max(float(branch.points[last, i, 1]), below + least_gap)
-        place = branch.values[last], below
+        position = branch.values[last], below
         ax.annotate(
             typeset(branch.labels[i]),
-            place,
+            position,
             (4, 0),
             textcoords="offset points",
             va="center",
@@ -421,8 +421,8 @@ def _positions(ax: Axes, branch: Branch) -> None:
 
 def _multipliers(ax: Axes, branch: Branch) -> None:
     """Draw the moduli of the multipliers over the parameter."""
-    for part, look in _stretches(branch):
-        values, sizes = multiplier_curves(branch.values[part], branch.multipliers[part])
+    for rows, look in _stretches(branch):
+        values, sizes = multiplier_curves(branch.values[rows], branch.multipliers[rows])
         for column in (0, 1):
             ax.plot(values, sizes[:, column], color="black", ls=look, lw=1.2)
     sizes = np.abs(branch.multipliers)
@@ -489,9 +489,9 @@ def _write_words(ax: Axes, branch: Branch) -> None:
         (end.value, end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond)
         for end in branch.ends
     ]
-    for place, word in words:
+    for abscissa, word in words:
         if word:
-            write_above(ax, place, typeset(word))
+            write_above(ax, abscissa, typeset(word))
 
 
 def stability(branch: Branch) -> np.ndarray:
@@ -593,7 +593,7 @@ def border_figure(
         # By their values: a point that two borders share is drawn once.
         special = {point.values: (point, curve) for curve in borders for point in curve.special}
         for point, curve in special.values():
-            place = [point.values[curve.parameters.index(name)] for name in names]
+            coordinates = [point.values[curve.parameters.index(name)] for name in names]
             if point.kind == "fold":
                 face = "white"
                 label = "fold"
@@ -608,7 +608,7 @@ def border_figure(
                 "zorder": 5,
                 "linestyle": "none",
             }
-            axes.plot(*place, marker="o", label=label, **style)
+            axes.plot(*coordinates, marker="o", label=label, **style)
         common.add_legend(drawing, ax, [axes], 3 if len(borders) == 1 else 2)
     return drawing
 
@@ -623,10 +623,10 @@ def _write_words_beside(ax: Axes, border: Border) -> None:
         within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))
         return float(min(*within, *(1 - within)))
 
-    i = max((len(border) * part // 8 for part in range(1, 8)), key=room)
-    for word, beside in zip(border.words, border.beside(i, "1e-3"), strict=True):
-        there = [float(getattr(beside, name)) for name in border.parameters]
-        direction = ax.transData.transform(there) - ax.transData.transform(border.points[i])
+    i = max((len(border) * eighth // 8 for eighth in range(1, 8)), key=room)
+    for word, neighbour in zip(border.words, border.beside(i, "1e-3"), strict=True):
+        coordinates = [float(getattr(neighbour, name)) for name in border.parameters]
+        direction = ax.transData.transform(coordinates) - ax.transData.transform(border.points[i])
         x, y = WORD_OFFSET * direction / np.linalg.norm(direction)
         if abs(x) < WORD_OFFSET / 2:
             side: Any = "center"

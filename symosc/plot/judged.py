@@ -380,8 +380,8 @@ def _verdict(check: CrossCheck) -> str:
     wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
     events = f"events missed: {len(check.missed)}, invented: {len(check.invented)}"
     ends = (check.wrong_start, check.early_end)
-    beside = "".join(f" {reason[0].upper()}{reason[1:]}." for reason in ends if reason)
-    return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step).{beside}"
+    other_faults = "".join(f" {reason[0].upper()}{reason[1:]}." for reason in ends if reason)
+    return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step).{other_faults}"
 
 
 def _events(check: CrossCheck) -> list[tuple[Any, ...]]:

@@ -74,9 +74,9 @@ def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]])
     """
     if not count:
         return Markup("")
-    some = rows_to_show(count)
-    rows = [[shown(value) for value in row(i)] for i in some]
-    left_out = count - len(some)
+    shown_rows = rows_to_show(count)
+    rows = [[shown(value) for value in row(i)] for i in shown_rows]
+    left_out = count - len(shown_rows)
     gap = f"{left_out:,}" if left_out else ""
     return cast(Markup, macros(PARTS).table(heads, rows[:HEAD_ROWS], gap, rows[HEAD_ROWS:]))
 
@@ -128,14 +128,14 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
     up = _scale(y[known], PICTURE_HEIGHT)
     text = ""
     pen = "M"
-    for place, height, is_known in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
+    for abscissa, height, is_known in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
         if is_known:
             # SVG counts y downwards.
-            text += f"{pen}{across(place):.1f} {PICTURE_HEIGHT - up(height):.1f}"
+            text += f"{pen}{across(abscissa):.1f} {PICTURE_HEIGHT - up(height):.1f}"
             pen = "L"
         else:
             pen = "M"
-    dots = [(across(place), PICTURE_HEIGHT - up(height)) for place, height in marks]
+    dots = [(across(abscissa), PICTURE_HEIGHT - up(height)) for abscissa, height in marks]
     return cast(Markup, macros(PARTS).picture(PICTURE_WIDTH, PICTURE_HEIGHT, says, text, dots))
 
 
@@ -464,7 +464,7 @@ def scene_page(scene: Scene) -> str:
     about = {name: cut(text) if text else None for name, text in about.items()}
     heads = ("", "value", "meaning", "unit in SI")
     tables = (
-        table(heads, len(part), part.__getitem__) for part in (rows[:LEFT_ROWS], rows[LEFT_ROWS:])
+        table(heads, len(half), half.__getitem__) for half in (rows[:LEFT_ROWS], rows[LEFT_ROWS:])
     )
     return page("Scene", scene.name, *tables, facts(about))
 

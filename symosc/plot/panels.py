@@ -127,8 +127,8 @@ class View:
         high = self.v.max()
         p = self.trajectory.parameters
         allowed = LONGER_AXIS * (high - low)
-        near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
-        return sorted({*near, self.boundary})
+        near_belts = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
+        return sorted({*near_belts, self.boundary})
 
 
 class Sampling(NamedTuple):
@@ -395,11 +395,11 @@ def _draw_marks(
     for label, color in dict.fromkeys((mark.label, mark.color) for mark in marks):
         t = np.array([mark.t for mark in marks if mark.label == label])
         if across == "t":
-            place = t
+            abscissas = t
         else:
-            place = view.trajectory(t)[int(across == "v")]
+            abscissas = view.trajectory(t)[int(across == "v")]
         style = mark_style(label, color, view.scale)
-        ax.plot(place, up(t), linestyle="none", clip_on=False, label=label, **style)
+        ax.plot(abscissas, up(t), linestyle="none", clip_on=False, label=label, **style)
 
 
 def mark_style(label: str, color: str, scale: float = 1.0) -> Record:

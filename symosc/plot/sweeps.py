@@ -575,12 +575,12 @@ def _draw_classes(
         for name, color, hatch in looks
     ]
     if new:
-        place: Record = {"loc": "outside right upper"}
+        position: Record = {"loc": "outside right upper"}
         draw = axes.figure.legend
     else:
-        place = {"loc": "upper left", "bbox_to_anchor": (1, 1)}
+        position = {"loc": "upper left", "bbox_to_anchor": (1, 1)}
         draw = axes.legend
-    draw(handles=handles, frameon=False, handlelength=1.4, handleheight=1.0, **place)
+    draw(handles=handles, frameon=False, handlelength=1.4, handleheight=1.0, **position)
 
 
 def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
@@ -742,9 +742,9 @@ def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
     names = [typeset(str(kinds[i])) if name == "word" else str(kinds[i]) for i in order]
     sizes = counts[order].tolist()
     if len(names) > MOST_BARS:
-        rest = len(names) - MOST_BARS + 1
-        names = [*names[:-rest], f"{rest} others"]
-        sizes = [*sizes[:-rest], sum(sizes[-rest:])]
+        joined = len(names) - MOST_BARS + 1
+        names = [*names[:-joined], f"{joined} others"]
+        sizes = [*sizes[:-joined], sum(sizes[-joined:])]
     bars = axes.barh(range(len(names)), sizes, color="0.8", edgecolor="black", linewidth=0.5)
     axes.bar_label(bars, padding=2)
     axes.set_yticks(range(len(names)), names)

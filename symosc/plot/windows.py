@@ -300,8 +300,8 @@ def sweep_figure(
     low, high = _sweep_range(p, mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
     # Equality and 0, where the window changes its kind, with their neighbours.
-    near = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
-    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in near]
+    offsets = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
+    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in offsets]
     values = np.union1d(
         np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high]
     )
@@ -583,11 +583,11 @@ def _region_borders(
         (SOLID, ~closed, "border, inside"),
         (DASHES, closed, "border, not inside"),
     ):
-        part = np.ma.masked_invalid(np.where(hidden, np.nan, inside))
-        if part.count() == 0 or not part.min() <= 0 <= part.max():
+        margin = np.ma.masked_invalid(np.where(hidden, np.nan, inside))
+        if margin.count() == 0 or not margin.min() <= 0 <= margin.max():
             continue
         lines = axes.contour(
-            x, y, part, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2
+            x, y, margin, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2
         )
         # A shorter piece is only where two kinds of border meet.
         least = 0.01 * np.array([np.ptp(x), np.ptp(y)])
@@ -731,8 +731,8 @@ def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
 def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, **style: Any) -> None:
     """Draw a curve over its phase modulo 2 pi, interrupted where that jumps back to 0."""
     turns = np.floor(theta / TURN)
-    for part in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
-        axes.plot(theta[part] - TURN * turns[part], x[part], linewidth=1.2, **style)
+    for rows in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
+        axes.plot(theta[rows] - TURN * turns[rows], x[rows], linewidth=1.2, **style)
 
 
 def _draw_ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:

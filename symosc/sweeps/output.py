@@ -194,10 +194,10 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
     if not os.path.lexists(path):
         return None
     plans = list[bytes]()
-    place = _text_file(path)
+    file_with_plan = _text_file(path)
     ending = path.suffix.lower()
-    if place.is_file():
-        with suppress(OSError), place.open("rb") as file:
+    if file_with_plan.is_file():
+        with suppress(OSError), file_with_plan.open("rb") as file:
             if ending == ".nc":
                 size = len(NETCDF_END.format(NO_CHECKSUM, NO_CHECKSUM))
                 file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
@@ -287,16 +287,16 @@ def _checksum(path: Path) -> tuple[str, str, int]:
     """Return the checksum of an output, the one that is stated in it ("" if none), and the stated
     one's position.
     """
-    place = _text_file(path)
+    file_with_checksum = _text_file(path)
     stated = ""
     begin = 0
     checksum = sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())
         checksum.update(f"{name} {len(content)}\n".encode())
-        if file == place and (places := list(CHECKSUM_FORM.finditer(content))):
+        if file == file_with_checksum and (matches := list(CHECKSUM_FORM.finditer(content))):
             # The last one: before it, the name of a scene may look like a checksum.
-            begin, end = places[-1].span(1)
+            begin, end = matches[-1].span(1)
             stated = bytes(content[begin:end]).decode()
             checksum.update(content[:begin])
             checksum.update(NO_CHECKSUM.encode())

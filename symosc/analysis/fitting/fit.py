@@ -191,10 +191,10 @@ def _problem(
     if isinstance(scene, Parameters):
         changes["t_end"] = last + 1.0
     start = read_start(scene, changes, None)
-    after = 0.0
+    extra = 0.0
     if measured.kinds is not None:
-        after = BEYOND * (last - float(start.t0))
-    return FitProblem(start, names, measured, sigmas, last + after)
+        extra = BEYOND * (last - float(start.t0))
+    return FitProblem(start, names, measured, sigmas, last + extra)
 
 
 def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.ndarray:
@@ -202,8 +202,8 @@ def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.nd
     scene = problem.scene
     values = []
     for name in problem.names:
-        own = getattr(scene.parameters if name in PARAMETER_NAMES else scene, name)
-        values.append(float(read_number(name, start.get(name, own))[0]))
+        scene_value = getattr(scene.parameters if name in PARAMETER_NAMES else scene, name)
+        values.append(float(read_number(name, start.get(name, scene_value))[0]))
     return np.array(values)
 
 

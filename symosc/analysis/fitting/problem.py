@@ -81,15 +81,15 @@ class FitProblem:
         measured = self.measured
         rows = measured.t <= time
         kinds = measured.kinds
-        after = 0.0
+        extra = 0.0
         if kinds is not None:
-            after = 2.0 * spacing(measured.t, kinds)
+            extra = 2.0 * spacing(measured.t, kinds)
             kinds = kinds[rows]
         states = measured.states
         if states is not None:
             states = states[:, rows]
         early = replace(measured, t=measured.t[rows], kinds=kinds, states=states)
-        return replace(self, measured=early, end=min(self.end, time + after), _last=None)
+        return replace(self, measured=early, end=min(self.end, time + extra), _last=None)
 
     def thinned(self, most: int) -> FitProblem:
         """Return the problem with at most about `most` samples."""

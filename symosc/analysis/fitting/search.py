@@ -49,7 +49,6 @@ def minimum(
     """
     from scipy.optimize import least_squares
 
-    # `least_squares` needs a start strictly within its bounds.
     begin = np.clip(first, problem.low * (1 + 1e-9), np.inf)
     problem.evaluate(begin)  # raises the error of first numbers that no motion has
 
@@ -114,8 +113,8 @@ def _followed(rough: FitProblem, values: np.ndarray, count: int) -> np.ndarray:
     """Return numbers fitted to the first `count` times, then to twice as many, up to all."""
     times = np.sort(rough.measured.t)
     while True:
-        part = rough if count == len(times) else rough.until(float(times[count - 1]))
-        values = minimum(part, values, LARGE * part.sizes, "cauchy", 20, precise=False)[0]
+        beginning = rough if count == len(times) else rough.until(float(times[count - 1]))
+        values = minimum(beginning, values, LARGE * beginning.sizes, "cauchy", 20, precise=False)[0]
         if count == len(times):
             return values
         count = min(len(times), 2 * count)

@@ -143,8 +143,8 @@ def _repeating(places: np.ndarray, variances: np.ndarray) -> np.ndarray:
     """
     squares = np.where(places > 0.0, places, 1.0) ** 2
     noise = np.maximum(variances - squares / 12.0, 0.0)
-    part = np.exp(-np.minimum((2.0 * np.pi) ** 2 * noise / squares, 700.0))
-    return np.where((places > 0.0) & (part > NO_REPEATS), part, 0.0)
+    share = np.exp(-np.minimum((2.0 * np.pi) ** 2 * noise / squares, 700.0))
+    return np.where((places > 0.0) & (share > NO_REPEATS), share, 0.0)
 
 
 def _rounded_spread(

@@ -425,13 +425,13 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
     low, high = v_range
     drawn = [low <= speed <= high for speed in speeds]
-    places = [min(max(speed, low), high) for speed in speeds]
+    heights = [min(max(speed, low), high) for speed in speeds]
     arrows = ["↓ " * (speed < low) + "↑ " * (speed > high) for speed in speeds]
     texts = [f"{arrow}belt {belt}" for belt, arrow in enumerate(arrows, 1)]
-    names = list(zip(places, texts, strict=True))
-    if places[1] - places[0] < LEAST_BELT_DISTANCE * (high - low):
-        place = places[drawn.index(True)] if any(drawn) else places[0]
-        names = [(place, f"{texts[1]}\n{texts[0]}")]
+    names = list(zip(heights, texts, strict=True))
+    if heights[1] - heights[0] < LEAST_BELT_DISTANCE * (high - low):
+        height = heights[drawn.index(True)] if any(drawn) else heights[0]
+        names = [(height, f"{texts[1]}\n{texts[0]}")]
     return {"speeds": speeds, "drawn": drawn, "names": names}
 
 

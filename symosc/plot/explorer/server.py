@@ -320,8 +320,10 @@ def _marks(plot: Any, sources: Sources, x: str, y: str) -> None:
     browser's data `sources`.
     """
     marks = plot.scatter(x, y, source=sources["marks"], level="overlay", **MARKS)
-    place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
-    plot.add_tools(models.HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
+    coordinates = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
+    plot.add_tools(
+        models.HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *coordinates])
+    )
     plot.scatter(
         x,
         y,
