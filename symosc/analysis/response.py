@@ -588,13 +588,7 @@ def cycle_response(
     times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
     amplitude = float(np.ptp(motion(times)[0] + motion_of_belts(model, times + delay)[0])) / 2
     first *= 2 / period
-    # What phases refer to: the base, the force, or the belts' speeds.
-    cause = harmonic(model.W, model.W_phase)
-    if model.B0:
-        cause = model.force
-    if model.Y:
-        cause = model.base
-    excitation = _phasor(cause)
+    excitation = _phasor(_excitation(model))
     Y = abs(float(model.Y))
     B0 = abs(float(model.B0))
     ends = motion([motion.t_start, motion.t_end])
@@ -622,6 +616,15 @@ def cycle_response(
         "error": float(closure.max()) / max(1 - multiplier, CONVERGED)
         + float(np.spacing(amplitude)),
     }
+
+
+def _excitation(model: OtherModel) -> Harmonic:
+    """Return what phases refer to: the motion of the base, else the force, else the belts' speeds."""
+    if model.Y:
+        return model.base
+    if model.B0:
+        return model.force
+    return harmonic(model.W, model.W_phase)
 
 
 def _phasor(function: Harmonic) -> complex:

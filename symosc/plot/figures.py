@@ -151,18 +151,10 @@ def figure(
     if boundary is not None:
         boundary = whole_number("boundary", boundary, 1, 2)
     columns = whole_number("columns", columns, 1, 2)
-    since = -inf
-    if skip is not None:
-        begin = float(motion.t_start)
-        end = float(motion.t_end)
-        # A text of periods such as "10T" becomes a time; anything else comes back as it is.
-        time_after = end_time(skip, motion.parameters, begin)
-        if time_after is skip:
-            since = begin + float(read_number("skip", skip)[0])
-        else:
-            since = float(time_after)
-        if not begin <= since < end:
-            raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
+    if skip is None:
+        since = -inf
+    else:
+        since = _time_after(motion, skip)
     view = view_of(motion, boundary, since=since, style=common.read_style(style, figure))
     if ax is not None:
         PANELS[panels](ax, view)
@@ -178,6 +170,23 @@ def figure(
     return assemble(
         [(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall
     )
+
+
+def _time_after(motion: Trajectory, skip: NumberLike) -> float:
+    """Return the time at which the part `skip` of a motion is over; ParameterError if it is not
+    within the motion.
+    """
+    begin = float(motion.t_start)
+    end = float(motion.t_end)
+    # A text of periods such as "10T" becomes a time; anything else comes back as it is.
+    time_after = end_time(skip, motion.parameters, begin)
+    if time_after is skip:
+        since = begin + float(read_number("skip", skip)[0])
+    else:
+        since = float(time_after)
+    if not begin <= since < end:
+        raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
+    return since
 
 
 def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
