@@ -195,7 +195,7 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
     if amplitude_sign == 0 or excess_sign > 0:
         return []
     if excess_sign == 0:
-        # |gamma| = |B0 Omega|: sin theta = -gamma/(B0 Omega) is 1 or -1, at a single phase.
+        # |gamma| = |B0| Omega/m: the sine of the critical phase is 1 or -1, at a single phase.
         if gamma_sign * amplitude_sign < 0:
             theta = HALF_PI[0]
         else:
@@ -541,7 +541,7 @@ def _axis_range(region: ParameterRegion, name: str, limits: Any) -> tuple[float,
         second_speed = abs(float(p.v2 if name == "v1" else p.v1))
     else:
         second_speed = 0.0
-    # A second belt that is much faster is left out: this one would be drawn at the axis' middle.
+    # A second belt that is much faster does not stretch the axis.
     if value:
         second_speed = min(second_speed, 2 * value)
     reach = 2 * max(value, second_speed) or 1.0

@@ -226,13 +226,15 @@ def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
     if executor is None:
         return Here(count), 1
     if hasattr(executor, "get_executor") and hasattr(executor, "ncores"):  # a Client of dask
-        cores = max(sum(executor.ncores().values()), 1)
-        return executor.get_executor(pure=False), count or AHEAD * cores
+        if count is None:
+            count = AHEAD * max(sum(executor.ncores().values()), 1)
+        return executor.get_executor(pure=False), count
     if not isinstance(executor, Executor):
         allowed = "give an executor of concurrent.futures, or a Client of dask.distributed"
         raise ParameterError("executor", type(executor).__name__, allowed)
-    processors = getattr(executor, "_max_workers", None) or os.cpu_count() or 1
-    return executor, count or AHEAD * processors
+    if count is None:
+        count = AHEAD * (getattr(executor, "_max_workers", None) or os.cpu_count() or 1)
+    return executor, count
 
 
 def dask_client(address: str) -> Any:
