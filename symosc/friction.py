@@ -98,6 +98,7 @@ def geometry(belts: int) -> Geometry:
     domains = tuple(range(1, belts + 2))
     names = {domain: f"Omega{domain}" for domain in domains}
     names |= {len(domains) + boundary: f"belt{boundary}" for boundary in boundaries}
+    # Name, planes (superscript, boundary) of the start and of the end, domain.
     rows = []
     for belt in boundaries:
         rows += [
@@ -116,7 +117,7 @@ def geometry(belts: int) -> Geometry:
             label = PAPER_LABELS[i]
         else:
             label = name
-        mode = domain or len(domains) + start[1]
+        mode = domain or len(domains) + start[1]  # a stick has the code of its belt
         maps[label] = Map(label, SwitchingPlane(*start), SwitchingPlane(*end), domain, mode)
     neighbours = {boundary: (boundary, boundary + 1) for boundary in boundaries}
     return Geometry(domains, boundaries, names, neighbours, maps)

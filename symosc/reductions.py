@@ -110,18 +110,19 @@ def _context(digits: int) -> Any:
     return context
 
 
-def polar(sum: Harmonic) -> tuple[Fraction, Fraction, bool]:
+def polar(wave: Harmonic) -> tuple[Fraction, Fraction, bool]:
     """Return R and psi of a harmonic R cos(Omega t - psi), and whether both are exact."""
-    P, Q = sum[:2]
+    P = wave.C
+    Q = wave.S
     if Q == 0:
-        return P, Fraction(0), sum.exact
+        return P, Fraction(0), wave.exact
     if P == 0:
         return Q, PI / 2, False
     context = _context(DIGITS)
     square = P * P + Q * Q
     p, q = (context.mpf(number.numerator) / number.denominator for number in (P, Q))
     size = Fraction(isqrt(square.numerator), isqrt(square.denominator))
-    if size * size != square or not sum.exact:
+    if size * size != square or not wave.exact:
         size = rounded(read_exact("B0", context.hypot(p, q)))
     return size, read_exact("phase", context.atan2(q, p)), False
 
@@ -235,9 +236,8 @@ class OtherModel:
         oscillator z.
         """
         rate = harmonic(self.W, self.W_phase)
-        own = Harmonic(
-            -rate.S / self.Omega, rate.C / self.Omega, rate.exact
-        )  # its integral with mean 0
+        # Its integral with mean 0.
+        own = Harmonic(-rate.S / self.Omega, rate.C / self.Omega, rate.exact)
         if self.joined:
             return own.plus(self.base)
         return own
@@ -255,9 +255,10 @@ class OtherModel:
         shift_rate = self.shift.rate(self.Omega)
         shift = self.shift
         base = self.base
-        sum = self.force.plus(base.rate(self.Omega), self.c).plus(base, self.k)
+        # The right side of the equation for z in the module's docstring.
+        drive = self.force.plus(base.rate(self.Omega), self.c).plus(base, self.k)
         return polar(
-            sum.plus(shift_rate.rate(self.Omega), -self.m)
+            drive.plus(shift_rate.rate(self.Omega), -self.m)
             .plus(shift_rate, -self.c)
             .plus(shift, -self.k)
         )
@@ -280,7 +281,7 @@ class OtherModel:
         if self.Omega <= 0:
             raise ParameterError("Omega", show(self.Omega), "must be > 0")
         cos, sin, exact = cos_sin(self.angle)
-        down, press = (self.m * self.g * part for part in (sin, cos))
+        down, press = (self.m * self.g * component for component in (sin, cos))
         A0 = self.A0 + down
         if self.FN is None:
             FN = press
@@ -297,8 +298,10 @@ class OtherModel:
             gained = forces / (self.m * self._pace(B0))
             speeds = gained + abs(self.v1) + self.shift.bound()
             v2 = self.v1 + FAR * Fraction(10) ** power_of_ten(speeds or Fraction(1))
-        same = {name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")}
-        return Parameters(**same, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
+        unchanged = {
+            name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")
+        }
+        return Parameters(**unchanged, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
 
     def _pace(self, B0: Fraction) -> Fraction:
         """Return the rate of the drive `B0` or, if there is none, of the free motion."""
@@ -430,6 +433,7 @@ def reduced_start(
     if exact and model.shift.exact:
         return (s0, x0 - w, v0 - rate), (s_error, zero, zero)
     (z0, z_error), (u0, u_error) = (_difference(a, b) for a, b in ((x0, w), (v0, rate)))
+    # A velocity that may be that of a belt, up to rounding, is that of the belt.
     for belt in (p.v1, p.v2):
         if abs(u0 - belt) <= half_unit(abs(v0) + abs(rate)):
             u0 = belt
@@ -475,11 +479,12 @@ def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
     """Return a - b of two numbers that are known to 40 digits, and a bound of the error of this
     difference.
     """
-    # It is 0 where both agree up to the rounding of these digits.
     size = abs(a) + abs(b)
-    return rounded(a - b) if abs(a - b) * 10 ** (DIGITS - 20) > size else Fraction(0), half_unit(
-        size
-    )
+    if abs(a - b) * 10 ** (DIGITS - 20) > size:
+        difference = rounded(a - b)
+    else:  # both agree up to the rounding of these digits
+        difference = Fraction(0)
+    return difference, half_unit(size)
 
 
 MODEL_NAMES = tuple(field.name for field in fields(OtherModel))

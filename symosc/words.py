@@ -2,8 +2,9 @@
 follow which.
 
 The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2
-first. That text is its mapping structure. `read_word` makes a `Word` of a text, and ``str`` a text
-of a `Word`; nothing else converts them. A list that a user gives reads like the text.
+first. That text is its mapping structure. `read_word` checks a text and makes a `Word` of it, and
+``str`` a text of a `Word`. Only `cycle` takes a text apart without the check, because that text was
+written by ``str``. A list that a user gives reads like the text.
 `Trajectory.word` and `Word.labels` are in order of time, a text (`Scene.structure`,
 `PeriodicOrbit.word`) is from right to left.
 """
@@ -72,7 +73,10 @@ class Word(NamedTuple):
 
     @property
     def cycle(self) -> Word:
-        """The rotation whose labels come first in their order: that which all answers write."""
+        """The rotation whose labels, in order of time, come first in the alphabet.
+
+        All results about orbits write this rotation.
+        """
         first = first_of_cycle(self.labels)
         return Word(self.labels[first:] + self.labels[:first])
 
@@ -111,12 +115,12 @@ class Word(NamedTuple):
         """
         sides: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
-            fit = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
+            leaves = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
             if after.domain == NEIGHBOURS[step.end.boundary][0]:
                 side = "below"
             else:
                 side = "above"
-            sides.append(side if fit else None)
+            sides.append(side if leaves else None)
         return tuple(sides)
 
     def __str__(self) -> str:
@@ -126,14 +130,14 @@ class Word(NamedTuple):
 def first_of_cycle(labels: Sequence[str]) -> int:
     """Return the index at which the least rotation of `labels` begins, by the order of the labels."""
     count = len(labels)
-    twice = [*labels, *labels]
+    twice = [*labels, *labels]  # which has every rotation as a slice
     return min(range(count), key=lambda i: twice[i : i + count], default=0)
 
 
 def cycle(word: str) -> str:
-    """Return the text of `Word.cycle` for the text of a word.
+    """Return the text of `Word.cycle` for the text of a word that ``str`` wrote.
 
-    P32 for P32 and for P23; "" for "".
+    P32 for P32 and for P23; "" for "". A word with grazes passes too, which `read_word` refuses.
     """
     if word:
         return str(Word(tuple(f"P{digit}" for digit in reversed(word[1:]))).cycle)
@@ -144,6 +148,8 @@ def cycle(word: str) -> str:
 #: looked for.
 MOST_PRINTED = 40
 LONGEST_PART = 64
+#: A group that is repeated less often is not written as one.
+LEAST_TIMES = 3
 
 
 class Labels(list[str]):
@@ -170,27 +176,31 @@ def collapsed(labels: Sequence[str]) -> str:
     """
     if len(labels) <= MOST_PRINTED:
         return " ".join(labels)
-    # begin, length and number of the repetitions
-    best = (0, 1, 0)
+    # The repetitions that cover most labels.
+    begin = 0
+    length = 1
+    times = 0
     count = len(labels)
-    for length in range(1, min(LONGEST_PART, count // 3) + 1):
-        same = next(
-            (n for n in range(count - 1 - length, -1, -1) if labels[n] != labels[n + length]), -1
+    for period in range(1, min(LONGEST_PART, count // LEAST_TIMES) + 1):
+        # From the end: the last label that is not repeated a period later.
+        last_other = next(
+            (n for n in range(count - 1 - period, -1, -1) if labels[n] != labels[n + period]), -1
         )
-        times = (count - 1 - same) // length
-        if times * length > best[1] * best[2]:
-            best = same + 1, length, times
-    begin, length, times = best
-    if times < 3:
+        repeated = (count - 1 - last_other) // period
+        if repeated * period > length * times:
+            begin = last_other + 1
+            length = period
+            times = repeated
+    if times < LEAST_TIMES:
         return f"{' '.join(labels[: MOST_PRINTED // 2])} … {' '.join(labels[-MOST_PRINTED // 2 :])}"
-    part = labels[begin : begin + length]
+    group = labels[begin : begin + length]
     head = labels[:begin]
     tail = labels[begin + times * length :]
     if len(head) > MOST_PRINTED:
-        shown: Sequence[str] = [*head[:MOST_PRINTED], "…"]
+        beginning: Sequence[str] = [*head[:MOST_PRINTED], "…"]
     else:
-        shown = head
-    return " ".join([*shown, f"({' '.join(part)})×{times}", *tail])
+        beginning = head
+    return " ".join([*beginning, f"({' '.join(group)})×{times}", *tail])
 
 
 #: The most mappings of a word, and the most characters of its text.

@@ -13,6 +13,7 @@ import csv
 import io
 from cmath import phase
 from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from math import asin, hypot, inf, nan, pi, sqrt
@@ -200,7 +201,7 @@ def frequency_response(
         )
     ((name, axis),) = over.items()
     if name not in NUMBER_NAMES:
-        allowed = f"unknown parameter; choose from {', '.join(NUMBER_NAMES)}"
+        allowed = f"is not a parameter of the model; choose one of {', '.join(NUMBER_NAMES)}"
         raise ParameterError("over", name, allowed + meant(str(name), NUMBER_NAMES))
     values = read_axis(name, axis)
     rows = list[Record]()
@@ -259,12 +260,16 @@ def respond(
     except ConvergenceError as error:
         return {"status": error.reason, "balance": balance}, before
     if row["amplitude"]:
-        part = balance / row["amplitude"] - 1
+        balance_error = balance / row["amplitude"] - 1
     elif balance == 0:
-        part = nan
+        balance_error = nan
     else:
-        part = inf
-    return {"status": status, "balance": balance, "balance_error": part} | row, orbit or before
+        balance_error = inf
+    return {
+        "status": status,
+        "balance": balance,
+        "balance_error": balance_error,
+    } | row, orbit or before
 
 
 def _unsettled(reason: str) -> ConvergenceError:
@@ -286,14 +291,14 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
     for boundary in (1, 2):
         rests = rest_positions(p, boundary)
         if rests is not None:
-            return "rest", (0, min(max(rests[0], 0), rests[1]), 0), None
+            low, high = rests
+            return "rest", (0, min(max(low, 0), high), 0), None  # the rest nearest to x = 0
     free = meets_no_belt(p)
     if free is not None:
         if p.c == 0:
             raise _unsettled("without a damper the motion between the belts goes on for ever")
-        z = float(p.B0) / complex(
-            float(p.k - p.m * p.Omega**2), float(p.c * p.Omega)
-        )  # the first harmonic
+        # The first harmonic.
+        z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))
         return "linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag), None
     orbit = _nearby_orbit(p, before) or _orbit_reached(p, guess) or settled_orbit(p, most=1000)
     (t, x) = orbit.points[0]
@@ -309,7 +314,7 @@ def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit 
         return None
     scale = float(before.parameters.Omega / p.Omega)
     orbit = _orbit(p, before.word, [(t * scale, x) for t, x in before.points])
-    # it attracts all motions: there is no other
+    # A stable one attracts all motions, so that there is no other.
     if orbit and orbit.stable:
         return orbit
     return None
@@ -362,12 +367,16 @@ def meets_no_belt(p: Parameters) -> int | None:
     if stiffness == 0:
         return None
     square = (p.B0 * p.Omega) ** 2 / stiffness  # of its largest velocity
-    inside = [square < speed * speed and speed > 0 for speed in (p.v1, -p.v1, p.v2, -p.v2)]
-    if inside[0]:
+
+    def is_below(speed: Fraction) -> bool:
+        """Return whether the velocity stays below a speed > 0, and above its negative."""
+        return square < speed * speed and speed > 0
+
+    if is_below(p.v1):
         return 1
-    if inside[3]:
+    if is_below(-p.v2):  # v > v2 throughout
         return 3
-    if inside[1] and inside[2]:
+    if is_below(-p.v1) and is_below(p.v2):
         return 2
     return None
 
@@ -382,6 +391,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     # for ever.
     m, c, k, Omega, B0 = (float(number) for number in (p.m, p.c, p.k, p.Omega, p.B0))
     belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
+    # The drive that friction holds at least, by the belts at rest, and at most.
     smallest, most = (
         4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf)
     )
@@ -397,9 +407,8 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     V = 0.0
     z = 0j
     if abs(B0) > smallest:
-        if (
-            stiffness == 0 and abs(B0) >= most
-        ):  # at resonance without a damper friction alone holds the drive
+        # At resonance without a damper friction alone holds the drive.
+        if stiffness == 0 and abs(B0) >= most:
             return 0.0, complex(inf)
         from scipy.optimize import brentq
 
@@ -471,17 +480,18 @@ def parts(motion: Trajectory) -> Iterator[Part]:
         begin = float(segment.t_start)
         end = float(segment.t_end)
         ends = np.linspace(begin, end, 2 + int((end - begin) / longest))
+        # Ends of a part, how often it was halved, and the tail of the part that it is a half of.
         todo = [(a, b, 0, inf) for a, b in pairwise(ends) if b > a]
         while todo:
-            a, b, halved, before = todo.pop()
+            a, b, halved, tail_before = todo.pop()
             t = np.clip(a + (b - a) * (points + 1) / 2, a, b)
             z, u = motion(t)
-            last = [
+            last_coefficients = [
                 [abs(linear.dot(row, values)) for values in (z, u)] for row in coefficients[-2:]
             ]
-            tail = float((np.array(last).max(axis=0) / scale).max())
-            rounding = ROUNDING > tail > before / 4
-            if tail > CONVERGED and not rounding and halved < MOST_HALVES:
+            tail = float((np.array(last_coefficients).max(axis=0) / scale).max())
+            is_rounding = ROUNDING > tail > tail_before / 4  # halving hardly helps any more
+            if tail > CONVERGED and not is_rounding and halved < MOST_HALVES:
                 middle = (a + b) / 2
                 todo += [(a, middle, halved + 1, tail), (middle, b, halved + 1, tail)]
             else:
@@ -559,6 +569,7 @@ def cycle_response(
             np.full(POINTS, friction * (-1 if u.mean() > speed else 1)) for friction, speed in belts
         ]
         if segment.mode.startswith("belt"):
+            # The belt that holds the mass balances all other forces.
             held = int(segment.mode[-1])
             pulls[held - 1] = -driven - pulls[2 - held]
             stuck += end - begin
@@ -577,13 +588,7 @@ def cycle_response(
     times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
     amplitude = float(np.ptp(motion(times)[0] + motion_of_belts(model, times + delay)[0])) / 2
     first *= 2 / period
-    # What phases refer to: the base, the force, or the belts' speeds.
-    cause = harmonic(model.W, model.W_phase)
-    if model.B0:
-        cause = model.force
-    if model.Y:
-        cause = model.base
-    excitation = _phasor(cause)
+    excitation = _phasor(_excitation(model))
     Y = abs(float(model.Y))
     B0 = abs(float(model.B0))
     ends = motion([motion.t_start, motion.t_end])
@@ -611,6 +616,15 @@ def cycle_response(
         "error": float(closure.max()) / max(1 - multiplier, CONVERGED)
         + float(np.spacing(amplitude)),
     }
+
+
+def _excitation(model: OtherModel) -> Harmonic:
+    """Return what phases refer to: the motion of the base, else the force, else the belts' speeds."""
+    if model.Y:
+        return model.base
+    if model.B0:
+        return model.force
+    return harmonic(model.W, model.W_phase)
 
 
 def _phasor(function: Harmonic) -> complex:

@@ -248,11 +248,14 @@ class _Columns:
         """
         codes = codes_of(wrt)
         (starts, events) = self.pieces()
+        # Derivatives of t, x, v where the pieces begin. At the start t0, x0, v0 vary by themselves,
+        # and have the codes from T0 on. At an event v is the speed of its belt, of code V1 or V2.
         launched = np.zeros((3, len(starts), len(wrt)), self.kind)
         launched[:, 0] = codes == tangent.T0 + np.arange(3)[:, None]
         launched[0, 1:] = dt[events]
         launched[1, 1:] = dx[events]
-        launched[2, 1:] = codes == tangent.V1 - 1 + self.rows[5][events, None]
+        belts = self.rows[5]
+        launched[2, 1:] = codes == tangent.V1 - 1 + belts[events, None]
         if self.context:
             times = np.array([self.numbers.number(Fraction(t)) for t in times])
         pieces = np.maximum(
@@ -298,8 +301,9 @@ class _Columns:
         out = self._state_derivatives(
             interpreted, np.array([end]), none, last, work[:3, None, :2].copy(), codes
         )
-        if last[0, 0] <= ON_BELT:
-            volume -= float(self.numbers.K.cm * (end - last[0, 1]))
+        mode, begin, *_ = last[0]
+        if mode <= ON_BELT:  # in a flight areas shrink by exp(-c t/m), in a stick to 0
+            volume -= float(self.numbers.K.cm * (end - begin))
         else:
             volume -= inf
         size = linear.largest_stretch(out[:, 0].astype(float))

@@ -221,13 +221,13 @@ def meant(word: object, known: Iterable[str]) -> str:
     likeness = {
         name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known
     }
-    near = [
+    alike = [
         name
         for name, ratio in likeness.items()
         if ratio >= max([LEAST_LIKENESS, *likeness.values()])
     ]
-    if 1 <= len(near) <= 3:
-        return f"; did you mean {' or '.join(near)}?"
+    if 1 <= len(alike) <= 3:
+        return f"; did you mean {' or '.join(alike)}?"
     return ""
 
 

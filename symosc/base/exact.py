@@ -99,8 +99,8 @@ def _read(name: str, value: Any) -> Fraction:
     except Exception:  # whatever the methods of a class of numbers raise
         raise ParameterError(name, value, NUMBER_FORMS) from None
     if max(number.numerator.bit_length(), number.denominator.bit_length()) > MOST_BITS:
-        what = f"its numerator and denominator may have at most {MOST_BITS:,} bits each"
-        raise ParameterError(name, value, what)
+        allowed = f"its numerator and denominator may have at most {MOST_BITS:,} bits each"
+        raise ParameterError(name, value, allowed)
     return number
 
 

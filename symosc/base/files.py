@@ -110,10 +110,12 @@ def check_new_folder(folder: Path, wanted: str = "the output is a folder") -> No
 
     `wanted` ends the message if it is a file.
     """
-    above = next(place for place in (folder, *folder.absolute().parents) if os.path.exists(place))
-    if not above.is_dir():
-        raise OutputError(str(folder), f"{above} is a file, but {wanted}")
-    if not os.access(above, os.W_OK):
+    existing = next(
+        place for place in (folder, *folder.absolute().parents) if os.path.exists(place)
+    )
+    if not existing.is_dir():
+        raise OutputError(str(folder), f"{existing} is a file, but {wanted}")
+    if not os.access(existing, os.W_OK):
         raise OutputError(str(folder), "Permission denied")
 
 

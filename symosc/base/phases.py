@@ -71,11 +71,10 @@ def read_angle(name: str, value: Any) -> Angle:
     """
     if has_pi(value):
         return read_phase_text(name, value).symbolic()
-    if (
-        getattr(value, "is_Float", None) is False and not value.is_Rational
-    ):  # of sympy, and no plain number
-        plain = hasattr(value, "is_real") and not value.free_symbols and value.is_number
-        if not (plain and value.is_real is not False and value.evalf().is_Float):
+    # An expression of sympy that is no plain number; only sympy's classes have is_Float.
+    if getattr(value, "is_Float", None) is False and not value.is_Rational:
+        is_constant = hasattr(value, "is_real") and not value.free_symbols and value.is_number
+        if not (is_constant and value.is_real is not False and value.evalf().is_Float):
             raise ParameterError(name, value, ANGLE_FORMS)
         return value
     return _read_rational(name, value)
@@ -100,7 +99,7 @@ def number_of(value: Angle, context: Context) -> Number:
 
 def reduced(angle: Angle) -> Angle:
     """Return an exact angle modulo 2 pi, in [0, 2 pi), again exact."""
-    if isinstance(angle, Fraction) and 0 <= angle < 6:
+    if isinstance(angle, Fraction) and 0 <= angle < 6:  # less than 2 pi: without sympy
         return angle
     import sympy
 

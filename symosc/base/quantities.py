@@ -93,10 +93,9 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
     """Return the number called `name`, whose `value` may be text such as "2*pi" or "3 kg", and
     whether it is exact.
     """
-    symbolic = hasattr(type(value), "free_symbols") and not isinstance(
-        value, numbers.Real
-    )  # of sympy, such as 2*pi
-    if symbolic:
+    # An expression of sympy, such as 2*pi.
+    is_symbolic = hasattr(type(value), "free_symbols") and not isinstance(value, numbers.Real)
+    if is_symbolic:
         text = str(value)
     else:
         text = value

@@ -36,7 +36,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -65,15 +65,17 @@ UNDECIDED = "undecided"
 # lengths, so that the decision does not depend on where steps end.
 STEP = 1.0
 REPEATED_STEPS = (1.21, 1.37)
-BACKWARD_ROUNDING = (
-    8  # rounding error of a Taylor polynomial in units of eps times the size of its terms
-)
+# Rounding error of a Taylor polynomial in units of eps times the size of its terms.
+BACKWARD_ROUNDING = 8
 # Larger velocities are not followed: nothing can be simulated from there.
 HUGE = 1e100
 # The work of a search: more than 100 periods at the fastest drive, and less than a second.
 MOST_BACKWARD_STEPS = 20_000
 # How far back a start is searched, in periods of the excitation.
 SEARCH_PERIODS = 100
+# At most so many undecided steps of a search are repeated: a flight that stays near a boundary for
+# longer stays undecided.
+MOST_REPEATS = 40
 
 
 # --- the first root of a polynomial that is known within a noise ---
@@ -167,7 +169,7 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
     # Only steps of Newton's method can show that it has converged. A step that leaves the bracket
     # is replaced by a halving, whose length says nothing.
     sigma = 0.5 * (low + high)
-    before = high - low
+    last_step = high - low
     settled = eps**0.75
     for _ in range(20_000):  # at worst it halves its bracket: enough for thousands of digits
         value = _polynomial(p, sigma)
@@ -180,11 +182,11 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
             shift = -value / rise
         else:
             shift = high - low
-        if abs(shift) <= eps * sigma or (before <= abs(shift) <= settled * sigma):
+        if abs(shift) <= eps * sigma or (last_step <= abs(shift) <= settled * sigma):
             return sigma
         if low < sigma + shift < high:
             sigma = sigma + shift
-            before = abs(shift)
+            last_step = abs(shift)
         elif (following := 0.5 * (low + high)) in (low, high):
             return sigma
         else:
@@ -225,8 +227,12 @@ class BackwardState(NamedTuple):
     boundary: int = 0
 
 
-#: A contact in a step: whether it is a graze, its part of the step, and the boundary.
-BackwardHit: TypeAlias = tuple[bool, Number, Boundary]
+class BackwardHit(NamedTuple):
+    """A contact in a step: whether it is a touch, its part of the step, and the boundary."""
+
+    touch: bool
+    part: Number
+    boundary: Boundary
 
 
 class BackwardStep(NamedTuple):
@@ -237,7 +243,7 @@ class BackwardStep(NamedTuple):
     begin: BackwardState
     T: list[Number]
     end: tuple[Number, ...]  # change of v, a, and change of dx, in double precision only
-    found: BackwardHit | None
+    hit: BackwardHit | None
 
 
 class BackwardSteps:
@@ -276,7 +282,7 @@ class BackwardSteps:
         power = K.fB * self.H * self.H
         self.recurrence: list[tuple[Number, Number, Number]] = []
         term = 1.0 / eps
-        while term > 0.1:  # up to the degree whose term rounding hides
+        while term > 0.1:  # in units of eps: up to the degree whose term rounding hides
             k = len(self.recurrence)
             term = term * step / (k + 1)
             power = power / (k + 2)
@@ -285,9 +291,9 @@ class BackwardSteps:
         self.drive_remainder = abs(power)
         self._matrix = None
         columns = []
-        for unit in (
-            np.eye(4).tolist() if functions is math else ()
-        ):  # from (v, a, sin, cos) to all of a step at once
+        # The matrix from (v, a, sin, cos) to all of a step at once: its columns are the steps from
+        # unit vectors. Only doubles have one.
+        for unit in np.eye(4).tolist() if functions is math else ():
             *T, behind = self._taylor(*unit)
             dv, slope, area = _changes_over(T, 1.0)
             columns.append(
@@ -322,6 +328,8 @@ class BackwardSteps:
             low = v - reach
             high = v + reach
         else:
+            # The rows of the matrix, as in `__init__`: Taylor coefficients, the bound of the
+            # remainder, Bernstein coefficients less v, and the changes over the step.
             rows = linear.product(self._matrix, np.array((v, a, s, c))).tolist()
             T = rows[:n]
             behind = rows[n]
@@ -342,12 +350,13 @@ class BackwardSteps:
         for boundary in self.boundaries:
             at_start = tau == 0 and boundary is self.touched
             noise = remainder + (rounding if at_start else v_error)
-            if (
-                not at_start
-                and (low - boundary.v if boundary.inward > 0 else boundary.v - high) > noise
-            ):
+            if boundary.inward > 0:
+                least_gap = low - boundary.v
+            else:
+                least_gap = boundary.v - high
+            if not at_start and least_gap > noise:
                 continue
-            if at_start:
+            if at_start:  # the root at the tangency is divided out
                 p = [boundary.inward * term for term in T[order + 1 :]]
             else:
                 p = [
@@ -355,8 +364,8 @@ class BackwardSteps:
                     *(boundary.inward * term for term in T[1:]),
                 ]
             touch, sigma = first_root(p, noise, eps)
-            if sigma is not None and (hit is None or sigma < hit[1]):
-                hit = touch, sigma, boundary
+            if sigma is not None and (hit is None or sigma < hit.part):
+                hit = BackwardHit(touch, sigma, boundary)
         return BackwardStep(state._replace(v_error=v_error, energy_error=energy_error), T, end, hit)
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
@@ -386,7 +395,7 @@ class BackwardSteps:
         )
 
     def contact(self, step: BackwardStep, hit: BackwardHit) -> BackwardState:
-        """Return the state at the contact `found` in a step."""
+        """Return the state at the contact `hit` in a step."""
         touch, sigma, boundary = hit
         if touch:
             kind = TOUCH
@@ -506,7 +515,7 @@ class Flights:
     def refined(
         self, theta: Number, arrival: BackwardState, tau_max: Number
     ) -> BackwardState | None:
-        """Refine the result `found` of a search back to `tau_max` to all digits; None if Newton's
+        """Refine the result `arrival` of a search back to `tau_max` to all digits; None if Newton's
         method fails.
         """
         if arrival.kind in (NEVER, LARGE, LONG):
@@ -537,34 +546,35 @@ class Flights:
         """Find the time near `tau` at which v = `speed`, or, with `touch`, at which v is nearest to
         `speed`.
         """
-        before = None
+        last_shift = None
         for _ in range(200):
             now = self.instant(theta, tau)
             if not touch:
-                top = now.v - speed
+                residual = now.v - speed
                 slope = now.a
             else:
-                top = now.a
+                residual = now.a
                 slope = now.b
             if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
                 # a touch of fourth order
-                top = now.b
+                residual = now.b
                 slope = now.w
             if slope == 0:
-                if top == 0:
+                if residual == 0:
                     return tau
                 return None
-            shift = top / slope
+            # tau runs backward, so Newton's step has the sign +.
+            shift = residual / slope
             tau = tau + shift
             if abs(shift) <= self.context.eps * 4 * abs(tau):
                 return tau
             if (
-                before is not None
-                and abs(shift) >= before
+                last_shift is not None
+                and abs(shift) >= last_shift
                 and abs(shift) < self.context.eps**0.75 * abs(tau)
             ):
                 return tau
-            before = abs(shift)
+            last_shift = abs(shift)
         return None
 
     def repeat_step(
@@ -581,15 +591,16 @@ class Flights:
                 self.K, where.boundary, where.domain, context, context.eps, step
             )
         steps = self._steps[step]
-        back = (step - STEP) / 2 / self.K.rate
-        if tau > back:
-            state = self.state(theta, tau - back)
+        # The longer step has the same middle as the one that it repeats.
+        earlier = (step - STEP) / 2 / self.K.rate
+        if tau > earlier:
+            state = self.state(theta, tau - earlier)
         else:
             state = steps.begin(0 * theta)
         taken = steps.take(theta, order, state)
-        if taken.found is None:
+        if taken.hit is None:
             return None, rounded(self.state(theta, state.tau + steps.H))
-        return steps.contact(taken, taken.found), rounded(state)
+        return steps.contact(taken, taken.hit), rounded(state)
 
 
 def rounded(state: BackwardState) -> BackwardState:
@@ -613,7 +624,7 @@ class Origins:
         if p.k == 0:
             raise ParameterError(
                 "k",
-                "0",
+                p.k,
                 "must be > 0 here: without a spring F = 0 fixes the phase, not the contact",
             )
         self.p = p
@@ -652,15 +663,14 @@ class Origins:
         theta = float(angle)
         if far is None:
             far = SEARCH_PERIODS * self.K.period
-        # At most so many undecided steps are repeated: a flight that stays near a boundary for
-        # longer stays undecided.
         state = steps.begin(0.0)
-        repeats_left = 40
+        repeats_left = MOST_REPEATS
         for _ in range(most_steps):
             step = steps.take(theta, order, state)
             state = step.begin
-            hit = step.found
-            if repeats and hit and hit[0] and state.tau <= far:
+            hit = step.hit
+            is_touch = hit is not None and hit.touch
+            if repeats and is_touch and state.tau <= far:
                 tau = state.tau
                 repeats_left = repeats_left - 1
                 for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
@@ -674,7 +684,8 @@ class Origins:
                 if arrival.tau <= far:
                     return arrival
                 return self._state_at_limit(theta, order, state, far)
-            if state.tau + (hit[1] if hit else 1.0) * steps.H > far:
+            part = hit.part if hit else 1.0
+            if state.tau + part * steps.H > far:
                 return self._state_at_limit(theta, order, state, far)
             if hit:
                 return steps.contact(step, hit)
@@ -704,8 +715,8 @@ class Origins:
         s, c = self.steps.wave(theta, state.tau)
         u = state.v - (K.Ss * s + K.Sc * c)
         u_slope = -(state.a - K.Om * (K.Ss * c - K.Sc * s))
-        # u = alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with alpha <= 0 it
-        # falls for ever
+        # u, the transient, is alpha exp(p s) + beta exp(q s) with p >= q >= 0: once it falls with
+        # alpha <= 0 it falls for ever.
         sign = self.steps.touched.inward
         boundary = self.steps.touched.v
         away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
@@ -726,6 +737,7 @@ class Origins:
             arrival = flights.refined(flights.number(angle), doubles, far(flights))
             if arrival is None:
                 return doubles._replace(kind=UNDECIDED), flights
+            # In more digits the contact may lie just beyond the end of the search.
             if arrival.kind not in (REACHED, LONG) and arrival.tau > far(flights):
                 doubles = doubles._replace(kind=REACHED, boundary=0)
                 continue
@@ -738,9 +750,9 @@ class Origins:
             elif arrival.kind == REACHED:
                 worst = max(arrival.x_error, arrival.v_error)
             if worst > 0:
-                missing = int(context.ceil(context.log10(worst))) + wanted + 2
+                missing_digits = int(context.ceil(context.log10(worst))) + wanted + 2
             else:
-                missing = 0
-            if missing <= 0:
+                missing_digits = 0
+            if missing_digits <= 0:
                 return arrival, flights
-            flights = self.flights(flights.digits + missing + 3)
+            flights = self.flights(flights.digits + missing_digits + 3)

@@ -219,12 +219,14 @@ def check_grazing(
     window = grazing_window(p, mapping)
     if p.k == 0:
         raise ParameterError(
-            "k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m"
+            "k", p.k, "must be > 0 here: without a spring F = 0 fixes the phase, there is no x_m"
         )
     ways = Ways(window)
     if p.B0 == 0 and ways.speed == 0:
         raise ParameterError(
-            "B0", "0", "must not be 0 where v_lambda is: the flow stays on the belt for ever"
+            "B0",
+            p.B0,
+            "must not be 0 if v_lambda is 0, because the flow then never leaves the belt",
         )
     theta = np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
     mismatches = list[dict[str, str]]()
@@ -232,6 +234,7 @@ def check_grazing(
     done = 0
 
     def disagree(phase: object, way: str, expected: str, seen: str) -> None:
+        """Add a mismatch of a way with the window."""
         mismatches.append({"theta": str(phase), "way": way, "window": expected, "found": seen})
 
     of_window = place_text(window.place)
@@ -239,9 +242,9 @@ def check_grazing(
     if of_window != of_map:
         disagree("all", f"definition of {mapping}", of_window, of_map)
     with late_bar(progress, f"check {mapping}", "phases") as advance:
-        for some in np.array_split(theta, range(CHECK_PHASES, n, CHECK_PHASES)):
-            parts.append(_decide_random(ways, some, disagree))
-            done += len(some)
+        for chunk in np.array_split(theta, range(CHECK_PHASES, n, CHECK_PHASES)):
+            parts.append(_decide_random(ways, chunk, disagree))
+            done += len(chunk)
             if advance:
                 advance(done / n, done)
         parts.append(_decide_special(ways))
@@ -263,7 +266,8 @@ def check_grazing(
         closest[way] = float(margins[right & (margins > 0)].min(initial=inf))
         for j in np.nonzero(decided & ~right)[0]:
             disagree(phases[j], way, words[int(inside[j])], words[int(verdict[j] == YES)])
-    near = offsets[(verdicts[0] != NOT_DECIDED) & (verdicts[1] != NOT_DECIDED)]
+    by_sign, by_flow, _ = verdicts
+    distances = offsets[(by_sign != NOT_DECIDED) & (by_flow != NOT_DECIDED)]
     return GrazingReport(
         mapping=mapping,
         window=repr(window),
@@ -276,7 +280,7 @@ def check_grazing(
         undecided=undecided,
         mismatches=tuple(mismatches),
         closest=closest,
-        closest_phase=float(near.min(initial=inf)),
+        closest_phase=float(distances.min(initial=inf)),
         orders={order: int((orders == order).sum()) for order in (1, 2, 3) if order in orders},
         finely=int(finely.sum()),
         seconds=time.perf_counter() - begin,
@@ -286,10 +290,10 @@ def check_grazing(
 def place_text(place: Place) -> str:
     """Return where a contact is, such as "domain 1 at belt 1 from below"."""
     if place.side > 0:
-        way = "from below"
+        direction = "from below"
     else:
-        way = "from above"
-    return f"domain {place.domain} at belt {place.boundary} {way}"
+        direction = "from above"
+    return f"domain {place.domain} at belt {place.boundary} {direction}"
 
 
 # What is known of some phases, in columns: the phase, whether it is in the window, |G^(1)| over its
@@ -356,7 +360,8 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
         phase = base + symbolic(offset)
         zero = offset == 0 and base in zeros
         value = numbers[base] + ways.fine.number(offset)
-        verdicts = *ways.verdict_by_intervals(value, zero)[::-1], ways.verdict_by_fine_flow(value)
+        by_sign, order = ways.verdict_by_intervals(value, zero)
+        by_flow = ways.verdict_by_fine_flow(value)
         if base in zeros and offset:
             away = float(abs(offset))
         else:
@@ -365,13 +370,12 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
             margin = 0.0
         else:
             margin = abs(ways.slope(value))
-        rows.append(
-            (phase, bool(ways.window.contains(phase)), margin, away, True, *verdicts, float(value))
-        )
+        inside = bool(ways.window.contains(phase))
+        rows.append((phase, inside, margin, away, True, order, by_sign, by_flow, float(value)))
     phases, *columns, floats = zip(*rows, strict=True)
-    every = np.empty(len(phases), dtype=object)
-    every[:] = phases
-    return every, *map(np.array, columns), ways.verdicts_by_solver(np.array(floats))
+    exact_phases = np.empty(len(phases), dtype=object)
+    exact_phases[:] = phases
+    return exact_phases, *map(np.array, columns), ways.verdicts_by_solver(np.array(floats))
 
 
 class Ways:
@@ -439,9 +443,8 @@ class Ways:
         iv = self._intervals
         p = self.p
         interval = partial(number_of, context=self._intervals)
-        context = (
-            self.fine.context
-        )  # decimals just below and above theta are the ends of its interval
+        context = self.fine.context
+        # Decimals just below and above theta are the ends of its interval.
         shift = context.mpf(10) ** (-INTERVAL_DIGITS - 5) * max(1, abs(theta))
         angle = iv.mpf(
             [context.nstr(theta + sign * shift, INTERVAL_DIGITS + 15) for sign in (-1, 1)]
@@ -500,10 +503,14 @@ class Ways:
             for gap, basis in zip(gaps, self._fine_bases, strict=True)
         ):
             return NOT_DECIDED
-        verdicts = [YES if gaps[i] > 0 and gaps[i + 1] > 0 else NO for i in (0, 2)]
-        if verdicts[0] == verdicts[1]:
-            return verdicts[0]
-        return NOT_DECIDED
+        # In the order of `_fine_bases`: before and after the contact, at the first time, then at the
+        # second.
+        before_1, after_1, before_2, after_2 = (gap > 0 for gap in gaps)
+        grazes_1 = before_1 and after_1
+        grazes_2 = before_2 and after_2
+        if grazes_1 != grazes_2:
+            return NOT_DECIDED
+        return YES if grazes_1 else NO
 
     def _velocity_gap(
         self, basis: Sequence[Numbers], s: Numbers, c: Numbers, v: Number, K: Constants
@@ -533,6 +540,7 @@ class Ways:
         NOT_DECIDED where the gap is within its error.
         """
         verdicts = np.zeros(len(theta), dtype=int)
+        # What the long time leaves undecided, the short one may decide: its third-order term is small.
         for time_over_rate in (1e-2, 1e-13):
             left = np.nonzero(verdicts == NOT_DECIDED)[0]
             if len(left):

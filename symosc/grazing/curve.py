@@ -55,6 +55,12 @@ PIECE_POINTS = 33
 CURVE_JUMP = 1e-3
 # Shorter pieces are not searched: there double precision begins to take near contacts for touches.
 FINEST_CURVE = 1e-6
+# Steps of all searches for one curve; when they are used up, each search has LEAST_STEPS left.
+MOST_STEPS_OF_ALL = 40_000
+LEAST_STEPS = 50
+
+#: The slope of the start's phase among flows that start at a graze too.
+SLOPE_OF_TOUCHES = 1.0
 
 #: Where the flow of a sample came from.
 OWN = "own belt"
@@ -244,9 +250,8 @@ def grazing_curve(
         high = 2 * pi
     else:
         low, high = window.ends
-    low -= (
-        2 * pi * (window.kind not in (EVERYTHING, ARC))
-    )  # an arc through 0 has a negative low end
+    if window.kind not in (EVERYTHING, ARC):  # an arc through 0 has a negative low end
+        low -= 2 * pi
     arc = (low, high, window.kind == EVERYTHING)
     samples = []
     with late_bar(progress, f"grazing curve of {mapping}", "phases") as advance:
@@ -269,8 +274,10 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
     first = samples[0].theta_m
     last = samples[-1].theta_m
     margin = 0.1 * (last - first)
-    few = sum(first + margin < sample.theta_m < last - margin for sample in samples) < PIECE_POINTS
-    if few and last - first >= FINEST_CURVE:
+    has_few = (
+        sum(first + margin < sample.theta_m < last - margin for sample in samples) < PIECE_POINTS
+    )
+    if has_few and last - first >= FINEST_CURVE:
         between = [
             tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]
         ]
@@ -310,7 +317,7 @@ class Tracer(Origins):
         self.v = float(p.belt(self.place.boundary))
         self.rest = float((p.A(self.place.domain) - p.c * p.belt(self.place.boundary)) / p.k)
         self.gain = float(p.B0 / p.k)
-        self.steps_left = 40_000  # of all searches; when they are used up, each search has 50 left
+        self.steps_left = MOST_STEPS_OF_ALL
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
         """Return the sample at theta_m; without `careful` an undecided contact counts as a graze."""
@@ -323,7 +330,7 @@ class Tracer(Origins):
             order = 3
         else:
             order = 1
-        steps = max(50, min(MOST_BACKWARD_STEPS, self.steps_left))
+        steps = max(LEAST_STEPS, min(MOST_BACKWARD_STEPS, self.steps_left))
         arrival = self.arrival(theta_m, order, digits=30, repeats=int(careful), most_steps=steps)
         tau = float(arrival.tau)
         dx = float(arrival.dx)
@@ -342,7 +349,7 @@ class Tracer(Origins):
         else:
             slope_theta = inf
         if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
-            slope_theta = 1.0
+            slope_theta = SLOPE_OF_TOUCHES
         slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
         if arrival.boundary == self.place.boundary:
             origin = OWN
@@ -400,28 +407,28 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
     run = [samples[0]]
     begin = low
     reason = limit
-    ahead = samples[:0:-1]
+    ahead = samples[:0:-1]  # all but the first, the next one last
     while ahead:
         left = run[-1]
         right = ahead[-1]
         own = left.origin == right.origin == OWN
-        if (
-            own and right.theta_m - left.theta_m > FINEST_CURVE and not _continuous(left, right)
-        ):  # steep
+        distance = right.theta_m - left.theta_m
+        if own and distance > FINEST_CURVE and not _continuous(left, right):  # steep
             ahead.append(tracer.sample(0.5 * (left.theta_m + right.theta_m)))
             continue
         edges = _edge(tracer, left, right)
         if edges is None:
             run.append(ahead.pop())
             continue
-        before, behind, border = edges
-        run += before
-        runs.append(
-            PhaseRun(run, (begin, border), (reason, _end_reason(tracer, run[-1], behind[-1])))
-        )
+        new_before, new_behind, border = edges
+        run += new_before
+        last_before = run[-1]
+        first_behind = new_behind[-1]
+        end_reason = _end_reason(tracer, last_before, first_behind)
+        runs.append(PhaseRun(run, (begin, border), (reason, end_reason)))
         begin = border
-        reason = _end_reason(tracer, behind[-1], run[-1])
-        ahead[-1:] = behind
+        reason = _end_reason(tracer, first_behind, last_before)
+        ahead[-1:] = new_behind  # in place of `right`, which is the first of them
         run = [ahead.pop()]
     runs.append(PhaseRun(run, (begin, high), (reason, limit)))
     first = runs[0]

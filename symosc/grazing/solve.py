@@ -158,7 +158,7 @@ def solve_grazing(
     ((name, value),) = given.items()
     if p.k == 0:
         raise ParameterError(
-            "k", "0", "must be > 0 here: without a spring F = 0 fixes the phase, not the contact"
+            "k", p.k, "must be > 0 here: without a spring F = 0 fixes the phase, not the contact"
         )
     if p.B0 == 0 and name in ("x_i", "x_j"):
         raise ParameterError(
@@ -331,6 +331,7 @@ class Candidates:
         """Find the solutions on a piece of the curve and store them."""
         points = self._points(piece)
         values = np.array([point.value for point in points])
+        # Each end of the curve, the outermost point there, and its index.
         ends = (piece.low, points[0], 0), (piece.high, points[-1], -1)
         targets = [self.target]
         extrema = dict[Point, Point | None]()
@@ -343,8 +344,8 @@ class Candidates:
             wanted = float(target)
             for end, point, _ in ends:  # between the last sample and the end of the curve
                 gap = abs(end.theta_m - point.theta_m)
-                near = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
-                if gap > 0 and abs(wanted - point.value) <= near:
+                reachable = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
+                if gap > 0 and abs(wanted - point.value) <= reachable:
                     self._store_if_between(
                         self._newton(point.theta_m, point.tau, target), point, point, gap
                     )
@@ -386,20 +387,17 @@ class Candidates:
         Add the end of the piece if the flights become infinitely short there.
         """
         points = [Point(*map(float, row)) for row in zip(*self._columns(piece), strict=True)]
-        for end, first in (
-            (piece.high, len(points)),
-            (piece.low, 0),
-        ):  # from the back: an insertion moves what follows
-            near = points[min(first, len(points) - 1)]
-            if end.reason == "end of the window" and near.tau * self.K.Om < 10 * abs(
-                near.theta_m - end.theta_m
-            ):
+        # From the back: an insertion moves what follows.
+        for end, index in ((piece.high, len(points)), (piece.low, 0)):
+            outermost = points[min(index, len(points) - 1)]
+            distance = abs(outermost.theta_m - end.theta_m)
+            if end.reason == "end of the window" and outermost.tau * self.K.Om < 10 * distance:
                 contact = self.source.rest + self.source.gain * cos(end.theta_m)
                 if self.name == "x_i":
                     value = contact
                 else:
                     value = end.theta_m
-                points.insert(first, Point(end.theta_m, float(value), near.slope, 0.0))
+                points.insert(index, Point(end.theta_m, float(value), outermost.slope, 0.0))
         return points
 
     def _columns(self, of: CurvePiece | Sample) -> tuple[Any, Any, Any, Any]:
@@ -457,11 +455,11 @@ class Candidates:
                 return
             gaps = first.value - wanted, last.value - wanted
             if gaps[0] != gaps[1]:
-                part = gaps[0] / (gaps[0] - gaps[1])
+                fraction = gaps[0] / (gaps[0] - gaps[1])
             else:
-                part = 0.5
-            theta_m = first.theta_m + part * (last.theta_m - first.theta_m)
-            solution = self._newton(theta_m, first.tau + part * (last.tau - first.tau), target)
+                fraction = 0.5
+            theta_m = first.theta_m + fraction * (last.theta_m - first.theta_m)
+            solution = self._newton(theta_m, first.tau + fraction * (last.tau - first.tau), target)
             if self._store_if_between(solution, first, last):
                 return
             theta_m = 0.5 * (first.theta_m + last.theta_m)
@@ -475,7 +473,7 @@ class Candidates:
                 first = middle
             else:
                 last = middle
-        is_touch = self.curve.sample(theta_m).slope_theta == 1.0
+        is_touch = self.curve.sample(theta_m).slope_theta == curves.SLOPE_OF_TOUCHES
         if is_touch and self._store_if_between(
             self._solve_among_grazes(theta_m, target), first, last
         ):
@@ -507,15 +505,15 @@ class Candidates:
         for _ in range(MOST_CURVE_NEWTON):
             now = self.flights.instant(theta, tau)
             gap = now.v - self.flights.v
-            rest, by_theta, by_tau = self._equation(theta, tau, now, target)
+            residual, by_theta, by_tau = self._equation(theta, tau, now, target)
             determinant = now.v_theta * by_tau + now.a * by_theta
             if determinant == 0:
                 return None
-            theta_step = (-gap * by_tau - rest * now.a) / determinant
-            tau_step = (gap * by_theta - rest * now.v_theta) / determinant
+            theta_step = (-gap * by_tau - residual * now.a) / determinant
+            tau_step = (gap * by_theta - residual * now.v_theta) / determinant
             theta = theta + theta_step
             tau = tau + tau_step
-            if settled:
+            if settled:  # one step after that has all digits
                 if tau > 0:
                     return (theta, tau)
                 return None
@@ -539,11 +537,11 @@ class Candidates:
         theta = flights.number(phase)
         tau = flights.number(arrival.tau)
         for _ in range(MOST_CURVE_NEWTON):
-            rest, by_theta, _ = self._equation(theta, tau, flights.instant(theta, tau), target)
+            residual, by_theta, _ = self._equation(theta, tau, flights.instant(theta, tau), target)
             if by_theta == 0:
                 return None
-            theta -= rest / by_theta
-            if abs(rest / by_theta) <= flights.context.eps * 100:
+            theta -= residual / by_theta
+            if abs(residual / by_theta) <= flights.context.eps * 100:
                 return theta, tau
         return None
 
@@ -557,15 +555,15 @@ class Candidates:
         if solution is None:
             return False
         theta, tau = solution
-        slack = 1e-14 * max(1.0, abs(float(theta))) + more
+        theta_slack = 1e-14 * max(1.0, abs(float(theta))) + more
         low, high = sorted((first.tau, last.tau))
-        beside = (
+        tau_slack = (
             1e-9 * max(high, 1e-3 / self.K.rate)
             + 0.1 * (high - low)
             + (1e-3 / self.K.rate if more else 0.0)
         )
-        inside = first.theta_m - slack <= float(theta) <= last.theta_m + slack
-        if not (inside and low - beside <= float(tau) <= high + beside):
+        is_phase_between = first.theta_m - theta_slack <= float(theta) <= last.theta_m + theta_slack
+        if not (is_phase_between and low - tau_slack <= float(tau) <= high + tau_slack):
             return False
         turn = 2 * self.flights.context.pi
         theta -= turn * self.flights.context.floor(theta / turn)
@@ -589,9 +587,8 @@ class Candidates:
             return
         # The end of a curve that doubles still resolve, over its slope there: more means that it
         # has no limit.
-        steep = (
-            not abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m) < 1e-4
-        )  # or nan
+        rise = abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m)
+        steep = not rise < 1e-4  # or nan
         if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
             last = f"theta = {piece.theta[index]:.6g}, x = {piece.x[index]:.6g}"
             ends = f"at theta_m = {end.theta_m:.12g} the curve goes on for ever"

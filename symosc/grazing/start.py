@@ -208,6 +208,7 @@ def start_of(
         order = 3
 
     def far(flights: Flights) -> Number:
+        """Return how far back to search, as a number of the flights' precision."""
         if until is None:
             return flights.K.period * periods
         return flights.number(time) - flights.number(until)
@@ -250,8 +251,9 @@ def start_of(
     shown = mp_context(decimals)
 
     def out(value: Number) -> Number:
+        """Return a number of the result: a float, or rounded to the digits that are asked for."""
         if digits:
-            return shown.convert(value) * 1
+            return shown.convert(value) * 1  # a product is rounded, a conversion is not
         return float(value)
 
     if boundary:
@@ -300,7 +302,7 @@ def _start_for_simulate(
     A velocity that is a Fraction is that of a belt, and exact.
     """
     start: Record = {"t0": _text(t, decimals, shown), "x0": _text(x, decimals, shown)}
-    on_belt = isinstance(velocity, Fraction)
+    is_exact = isinstance(velocity, Fraction)
     if isinstance(velocity, Fraction):
         start["v0"] = show(velocity)
     else:
@@ -312,8 +314,8 @@ def _start_for_simulate(
             units.append(Fraction(1, 10**places))
         else:
             units.append(Fraction(0))
-    if on_belt:
-        units[2] = Fraction(0)
+    if is_exact:
+        units[-1] = Fraction(0)  # of v0
     start["start_error"] = tuple(units)
     return start
 
@@ -385,10 +387,7 @@ def is_grazing(
     *,
     tolerance: NumberLike = 1e-12,
 ) -> GrazingVerdict:
-    """Decide Theorem 6 for a state on the belt of a mapping: does the flow of its domain graze the
-    belt there?
-
-    ?
+    """Decide by Theorem 6 whether the flow grazes at a state on the belt of a mapping.
 
     The flow grazes if F = 0, and the first G-function that does not vanish has odd order and the
     sign that leads back into the domain. (Order 1 is the theorem as printed.) Values are computed
@@ -445,9 +444,8 @@ def is_grazing(
     grazing = False
     reason = "F and all its derivatives vanish: the flow stays on the belt"
     last = MOST_G_ORDERS
-    for order in range(
-        MOST_G_ORDERS
-    ):  # G^(0) = F, G^(1), ..., each with the size of its terms, if all before are 0
+    # G^(0) = F, G^(1), ..., each with the size of its terms, as long as all before are 0.
+    for order in range(MOST_G_ORDERS):
         if size > 0:
             margin = abs(value) / size
         else:
@@ -462,14 +460,15 @@ def is_grazing(
             elif order % 2 == 0:
                 reason = (
                     f"the first G-function that does not vanish has even order {order}: the flow "
-                    "passes with an"
+                    "passes with an inflection"
                 )
-                reason += " inflection"
             elif grazing:
                 reason = f"F = 0 and G^({order}) leads back into the domain"
             else:
                 reason = f"G^({order}) leads out of the domain: there is no flow of it near"
             break
+        # This G counts as 0 in the next one, so that its rounding does not decide there. The
+        # derivatives of the drive run through -sin, -cos, sin, cos, and enter with a minus.
         now = 0 * value
         forcing = f0 * Om ** (order + 1) * sines[order % 2] * (1 if order % 4 < 2 else -1)
         value = next_derivative(now, before, forcing, cm, w0sq)

@@ -259,7 +259,7 @@ class GrazingWindow(Drawable, LatexAnswer):
             return np.full(theta.shape, self.kind == EVERYTHING)
         distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
         inside = distance * (self.place.side * self.signs[1]) > 0
-        # numpy's sine is right to 1e-15.
+        # numpy's sine is right to 1e-15; phases nearer to an end are decided exactly.
         close = np.nonzero(np.abs(distance) <= 1e-12)
         for index in zip(*close, strict=True):
             inside[index] = self._sign_at(theta[index]) > 0
@@ -302,17 +302,17 @@ class GrazingWindow(Drawable, LatexAnswer):
         if p.k == 0:
             free = f"k = 0: x_m is free, F = 0 fixes theta; the phases are {self.contact_phases}"
             raise ParameterError("theta", theta, free)
-        rest = (p.A(self.place.domain) - p.c * self.speed) / p.k
+        middle = (p.A(self.place.domain) - p.c * self.speed) / p.k
         gain = p.B0 / p.k
         if isinstance(theta, np.ndarray) and theta.ndim:
-            return float(rest) + float(gain) * column_functions()["cos"](theta.astype(float))
+            return float(middle) + float(gain) * column_functions()["cos"](theta.astype(float))
         if isinstance(theta, float | np.floating):
             context = mp_context(WINDOW_DIGITS)
             wave = context.cos(context.mpf(float(theta))) * gain.numerator / gain.denominator
-            return float(wave + number_of(rest, context))
+            return float(wave + number_of(middle, context))
         from symosc.symbolic.theorem7 import rational, real, sp
 
-        return rational(rest) + rational(gain) * sp.cos(real("theta", theta))
+        return rational(middle) + rational(gain) * sp.cos(real("theta", theta))
 
     @cached_property
     def contact_phases(self) -> Expr:
@@ -339,8 +339,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         """Decide exactly whether a contact at theta grazes: 1 if it does, -1 if not, 0 at an end of
         the window.
         """
-        # an array of dimension 0
-        if isinstance(theta, np.ndarray):
+        if isinstance(theta, np.ndarray):  # of dimension 0
             theta = theta[()]
         exact: Any
         if isinstance(theta, str):

@@ -182,7 +182,7 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
     import jax
 
     def computed(function: Callable[..., Any], shapes: Any, *arguments: Any) -> Any:
-        """Call a numpy function of the arguments `given` from JAX.
+        """Call a numpy function of the `arguments` from JAX.
 
         `shapes` are shapes and types of its results.
         """
@@ -190,22 +190,24 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
         return jax.pure_callback(function, out, *arguments, vmap_method="broadcast_all")
 
     def all_of_events(values: Any, t_end: Any, count: int) -> Any:
+        """Return the columns of the events, and the derivatives of t and x by the `values`."""
         kinds = (float, float, np.int32, np.int32, bool)
         shapes = [((count,), kind) for kind in kinds] + [((count, len(NAMES)), float)] * 2
         return computed(partial(_events_of, count=count), shapes, values, t_end)
 
     @partial(jax.custom_jvp, nondiff_argnums=(2,))
     def events_(values: Any, t_end: Any, count: int) -> Any:
-        return all_of_events(values, t_end, count)[:5]
+        return all_of_events(values, t_end, count)[: len(Events._fields)]
 
     @events_.defjvp
     def _(count: int, primals: Any, tangents: Any) -> Any:
         values, t_end = primals
         *columns, dt, dx = all_of_events(values, t_end, count)
-        none = [np.zeros(count, jax.dtypes.float0)] * 3
+        none = [np.zeros(count, jax.dtypes.float0)] * 3  # kind, boundary, regular do not vary
         return tuple(columns), (dt @ tangents[0], dx @ tangents[0], *none)
 
     def all_of_flow(values: Any, times: Any) -> Any:
+        """Return [x, v] at times, and their derivatives by the `values` and by time."""
         shape = (2, len(times))
         return computed(
             _states_of,
@@ -237,13 +239,15 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
     columns = dict(zip(NAMES, rows.T, strict=True))
     starts = {name: columns.pop(name) for name in STARTS}
     table = simulate_many(columns, starts, ends, max_events=count, wrt=NAMES)
+    # The table has the events of all motions one after the other, here there is a row for each.
     first = np.searchsorted(table.trajectory, np.arange(len(rows)))
-    at = table.trajectory, np.arange(len(table)) - first[table.trajectory]
+    places_in_rows = table.trajectory, np.arange(len(table)) - first[table.trajectory]
 
     def placed(column: Any, empty: Any, kind: Any = float) -> np.ndarray:
-        made = np.full((len(rows), count, *column.shape[1:]), empty, dtype=kind)
-        made[at] = column
-        return made.reshape((*lead, *made.shape[1:]))
+        """Return a column as rows of `count` events, filled up with `empty`."""
+        filled = np.full((len(rows), count, *column.shape[1:]), empty, dtype=kind)
+        filled[places_in_rows] = column
+        return filled.reshape((*lead, *filled.shape[1:]))
 
     places = placed(table.t, np.inf), placed(table.x, np.inf)
     codes = placed(table.kind_code, 0, np.int32), placed(table.boundary, 0, np.int32)
@@ -267,20 +271,21 @@ def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
     rows = values.reshape(-1, len(NAMES))
     instants = np.broadcast_to(times, (*lead, n)).reshape(-1, n)
     states, slopes, rates = (np.empty((len(rows), 2, n, *last)) for last in ((), (len(NAMES),), ()))
-    for i, (row, times) in enumerate(zip(rows.tolist(), instants, strict=True)):
+    for i, (row, row_times) in enumerate(zip(rows.tolist(), instants, strict=True)):
         numbers = dict(zip(NAMES, row, strict=True))
         start = {name: numbers.pop(name) for name in STARTS}
-        if float(times.max()) > start["t0"]:
-            last = float(times.max())
-        else:
+        if float(row_times.max()) > start["t0"]:
+            last = float(row_times.max())
+        else:  # a motion must have a length, whatever it is
             last = start["t0"] + 1.0
         s = sensitivities(Parameters(**numbers), NAMES, **start, t_end=last)
-        states[i] = s.trajectory(times)
-        slopes[i] = s(times)
-        forces = {f"Omega{alpha}": s.trajectory.force(alpha, times) for alpha in (1, 2, 3)}
+        states[i] = s.trajectory(row_times)
+        slopes[i] = s(row_times)
+        forces = {f"Omega{alpha}": s.trajectory.force(alpha, row_times) for alpha in (1, 2, 3)}
         rates[i, 0] = states[i, 1]
-        rates[i, 1] = [
+        rates[i, 1] = [  # 0 in a stick
             forces[mode][k] if mode in forces else 0.0
-            for k, mode in enumerate(s.trajectory.mode(times))
+            for k, mode in enumerate(s.trajectory.mode(row_times))
         ]
-    return tuple(made.reshape((*lead, *made.shape[1:])) for made in (states, slopes, rates))
+    results = (states, slopes, rates)
+    return tuple(array.reshape((*lead, *array.shape[1:])) for array in results)

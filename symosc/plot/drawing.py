@@ -143,8 +143,11 @@ def panels_for(
     columns: int | None = None,
     letter_at: float | None = None,
 ) -> Iterator[tuple[Figure, Any]]:
-    """Make axes for the panels, call ``draw[letter](axes, answer)`` for each, and yield the figure
+    """Make axes for the panels, draw each by ``draw[letter](axes, answer)``, and yield the figure
     and its axes.
+
+    In the `with` block the panels are already drawn, so that only common parts are left to add:
+    labels below the last one, a legend.
 
     `answer` is the result to draw. `panels` has the letters; None means all or, if the user gives
     `ax`, only the panel `alone`. A panel has this `size` in inches; `more` inches are added to the

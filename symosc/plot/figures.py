@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 
 #: Where figures of the shipped scenes end that run on for longer: what the paper's text speaks of
 #: fills the panels.
-SPANS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
+SCENE_ENDS = {"fig5": 9.0, "fig6": 5.0, "fig8": 9.0}
 #: A periodic scene is shown for this many periods of the excitation.
 PERIODS_SHOWN = 2.5
 #: More events than these are a black band, and take long to draw.
@@ -148,24 +148,13 @@ def figure(
         motion = subject
         usual = "abcd"
     panels = read_panels(usual if panels is None and ax is None else panels, PANELS, ax)
-    if boundary is None:
-        boundary = None
-    else:
+    if boundary is not None:
         boundary = whole_number("boundary", boundary, 1, 2)
     columns = whole_number("columns", columns, 1, 2)
-    since = -inf
-    if skip is not None:
-        begin = float(motion.t_start)
-        end = float(motion.t_end)
-        after = end_time(
-            skip, motion.parameters, begin
-        )  # of periods such as "10T"; else what is given
-        if after is skip:
-            since = begin + float(read_number("skip", skip)[0])
-        else:
-            since = float(after)
-        if not begin <= since < end:
-            raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
+    if skip is None:
+        since = -inf
+    else:
+        since = _time_after(motion, skip)
     view = view_of(motion, boundary, since=since, style=common.read_style(style, figure))
     if ax is not None:
         PANELS[panels](ax, view)
@@ -181,6 +170,23 @@ def figure(
     return assemble(
         [(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall
     )
+
+
+def _time_after(motion: Trajectory, skip: NumberLike) -> float:
+    """Return the time at which the part `skip` of a motion is over; ParameterError if it is not
+    within the motion.
+    """
+    begin = float(motion.t_start)
+    end = float(motion.t_end)
+    # A text of periods such as "10T" becomes a time; anything else comes back as it is.
+    time_after = end_time(skip, motion.parameters, begin)
+    if time_after is skip:
+        since = begin + float(read_number("skip", skip)[0])
+    else:
+        since = float(time_after)
+    if not begin <= since < end:
+        raise ParameterError("skip", skip, f"must be >= 0 and end before t = {end:g}")
+    return since
 
 
 def simulated(scene: Scene, t_end: NumberLike | None = None) -> Trajectory:
@@ -254,9 +260,10 @@ def simulate_orbit(orbit: PeriodicOrbit, periods: float) -> Trajectory:
 
 def default_end(scene: Scene) -> Any:
     """Return the default end time of a scene's figure."""
-    end: Any = SPANS.get(scene.name, scene.t_end)
+    end: Any = SCENE_ENDS.get(scene.name, scene.t_end)
     if scene.structure:
         end = float(scene.t0) + PERIODS_SHOWN * 2 * pi / float(scene.parameters.Omega)
+    # A scene of a shipped name may start later than the shipped one ends.
     if end > scene.t0:
         return min(end, scene.t_end)
     return scene.t_end
@@ -295,8 +302,8 @@ def assemble(
         if number == tall:
             draw_insets(ax, view)
         if len(panels) > 1:
-            place: Record = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
-            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **place)
+            position: Record = {"x": -0.12} | ({"y": INSET_TOP} if number == tall else {})
+            title = ax.set_title(f"({'abcdefg'[number]})", loc="left", pad=4, **position)
             title.set_in_layout(number != tall)  # the grid keeps that room free
         elif square:
             ax.set_box_aspect(1)
@@ -329,6 +336,8 @@ END_MARKERS = {
     "vanishing of a flight": "P",
 }
 ORDINALS = ("", "2nd ", "3rd ")
+#: The least distance of labels at the right end of the curves, as a part of their whole range.
+LABEL_GAP = 0.05
 # Stability -> line style; the styles differ without colours.
 STABILITY_STYLES: Record = {"stable": "-", "marginal": "-.", "not stable": (0, (4, 2))}
 
@@ -358,8 +367,9 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     from symosc.orbits.branch import Branch
 
     require(Branch, branch=branch)
-    how: Record = {"alone": "b", "letter_at": -0.12}
-    with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **how) as (drawing, row):
+    layout: Record = {"alone": "b", "letter_at": -0.12}
+    # `panels_for` has drawn the panels when it yields their axes.
+    with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **layout) as (drawing, row):
         for axes in row:
             axes.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
             for end in branch.ends:
@@ -367,6 +377,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
                     axes.axvline(end.value, color="0.6", lw=0.6, zorder=0)
         _write_words(row[-1], branch)
         entries = common.legend_entries(row)
+        # The unit circle comes last in the legend. Only the panel of multipliers shows it.
         unit = {label: entries.pop(label) for label in ("unit circle",) if label in entries}
         for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in END_MARKERS):
             entries[kind] = Line2D(
@@ -382,15 +393,15 @@ def _positions(ax: Axes, branch: Branch) -> None:
     """Draw the positions of the switching points over the parameter."""
     for i, label in enumerate(branch.labels):
         color = CURVE_COLORS[i % len(CURVE_COLORS)]
-        before = branch.labels[:i].count(label)
-        if before < len(ORDINALS):
-            name = f"start of {ORDINALS[before]}{label}"
+        earlier = branch.labels[:i].count(label)
+        if earlier < len(ORDINALS):
+            name = f"start of {ORDINALS[earlier]}{label}"
         else:
             name = None
-        for part, look in _stretches(branch):
+        for rows, look in _stretches(branch):
             ax.plot(
-                branch.values[part],
-                branch.points[part, i, 1],
+                branch.values[rows],
+                branch.points[rows, i, 1],
                 color=color,
                 ls=look,
                 lw=1.2,
@@ -399,14 +410,13 @@ def _positions(ax: Axes, branch: Branch) -> None:
         _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
     last = int(np.argmax(branch.values))
     below = -inf
-    for i in np.argsort(branch.points[last, :, 1]):  # from below, none over another
-        below = max(
-            float(branch.points[last, i, 1]), below + 0.05 * float(np.ptp(branch.points[:, :, 1]))
-        )
-        place = branch.values[last], below
+    least_gap = LABEL_GAP * float(np.ptp(branch.points[:, :, 1]))
+    for i in np.argsort(branch.points[last, :, 1]):  # from below, so that no label covers another
+        below = max(float(branch.points[last, i, 1]), below + least_gap)
+        position = branch.values[last], below
         ax.annotate(
             typeset(branch.labels[i]),
-            place,
+            position,
             (4, 0),
             textcoords="offset points",
             va="center",
@@ -418,8 +428,8 @@ def _positions(ax: Axes, branch: Branch) -> None:
 
 def _multipliers(ax: Axes, branch: Branch) -> None:
     """Draw the moduli of the multipliers over the parameter."""
-    for part, look in _stretches(branch):
-        values, sizes = multiplier_curves(branch.values[part], branch.multipliers[part])
+    for rows, look in _stretches(branch):
+        values, sizes = multiplier_curves(branch.values[rows], branch.multipliers[rows])
         for column in (0, 1):
             ax.plot(values, sizes[:, column], color="black", ls=look, lw=1.2)
     sizes = np.abs(branch.multipliers)
@@ -444,10 +454,10 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
     columns = np.column_stack([values, trace, determinant])
     sizes = np.ptp(columns, axis=0)
     steps = np.linalg.norm(np.diff(columns, axis=0) / np.where(sizes == 0, 1, sizes), axis=1)
-    from scipy.interpolate import (
-        Akima1DInterpolator,
-    )  # takes longer to load than most figures to draw
+    # scipy.interpolate takes longer to load than most figures to draw.
+    from scipy.interpolate import Akima1DInterpolator
 
+    # The interpolation needs abscissas that increase, so points at no distance are left out.
     keep = np.concatenate([[True], steps > 1e-12])
     along = np.cumsum(np.concatenate([[0.0], steps]))[keep]
     if len(along) > 2:
@@ -486,9 +496,9 @@ def _write_words(ax: Axes, branch: Branch) -> None:
         (end.value, end.kind if end.kind in (NO_CONVERGENCE, MOST) else end.beyond)
         for end in branch.ends
     ]
-    for place, word in words:
+    for abscissa, word in words:
         if word:
-            write_above(ax, place, typeset(word))
+            write_above(ax, abscissa, typeset(word))
 
 
 def stability(branch: Branch) -> np.ndarray:
@@ -587,10 +597,10 @@ def border_figure(
         if len(borders) == 1:
             drawing.draw_without_rendering()  # the limits of the axes decide which way is across
             _write_words_beside(axes, borders[0])
-        for point, of in {
-            point.values: (point, curve) for curve in borders for point in curve.special
-        }.values():
-            place = [point.values[of.parameters.index(name)] for name in names]
+        # By their values: a point that two borders share is drawn once.
+        special = {point.values: (point, curve) for curve in borders for point in curve.special}
+        for point, curve in special.values():
+            coordinates = [point.values[curve.parameters.index(name)] for name in names]
             if point.kind == "fold":
                 face = "white"
                 label = "fold"
@@ -605,7 +615,7 @@ def border_figure(
                 "zorder": 5,
                 "linestyle": "none",
             }
-            axes.plot(*place, marker="o", label=label, **style)
+            axes.plot(*coordinates, marker="o", label=label, **style)
         common.add_legend(drawing, ax, [axes], 3 if len(borders) == 1 else 2)
     return drawing
 
@@ -616,14 +626,15 @@ def _write_words_beside(ax: Axes, border: Border) -> None:
     """
 
     def room(i: int) -> float:
+        """Return how far the point i is from the axes' frame, as a part of the axes' size."""
         within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))
         return float(min(*within, *(1 - within)))
 
-    i = max((len(border) * part // 8 for part in range(1, 8)), key=room)
-    for word, beside in zip(border.words, border.beside(i, "1e-3"), strict=True):
-        there = [float(getattr(beside, name)) for name in border.parameters]
-        way = ax.transData.transform(there) - ax.transData.transform(border.points[i])
-        x, y = WORD_OFFSET * way / np.linalg.norm(way)
+    i = max((len(border) * eighth // 8 for eighth in range(1, 8)), key=room)
+    for word, neighbour in zip(border.words, border.beside(i, "1e-3"), strict=True):
+        coordinates = [float(getattr(neighbour, name)) for name in border.parameters]
+        direction = ax.transData.transform(coordinates) - ax.transData.transform(border.points[i])
+        x, y = WORD_OFFSET * direction / np.linalg.norm(direction)
         if abs(x) < WORD_OFFSET / 2:
             side: Any = "center"
         elif x > 0:

@@ -44,6 +44,9 @@ WRONG = "#d7191c"
 INVENTED = "#e08214"
 # Zeros are drawn here, and no axis goes further down.
 FLOOR = 1e-17
+#: Samples that a figure of one step shows before it, and after it.
+SAMPLES_BESIDE = 3
+#: For `panels_for`: the panels stand in one column.
 ABOVE_EACH_OTHER: Record = {"more": 0.8, "columns": 1, "letter_at": -0.07}
 
 
@@ -157,6 +160,7 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     ['', 'time $t$']
     """
     require(Fit, found=found)
+    # `panels_for` has drawn the panels when it yields their axes.
     with panels_for(found, FIT_PANELS, panels, ax, (7.0, 1.7), **ABOVE_EACH_OTHER) as (
         drawing,
         row,
@@ -194,13 +198,16 @@ def _motion_and_data(ax: Axes, found: Fit) -> None:
 def _residuals(ax: Axes, found: Fit) -> None:
     """Draw the residuals, of x and of v, in units of the standard deviation if it was given."""
     measured = found._measured
+    count = len(measured.t)
+    # A single column, of times or of x, needs no legend.
     named = measured.states is not None and len(measured.states) > 1
     columns = ("$x$", POSITION, "."), (r"$\dot{x}$", VELOCITY, "x")
     for n, (name, color, marker) in enumerate(columns):
-        part = found.residuals[n * len(measured.t) : (n + 1) * len(measured.t)]
+        # The residuals of x come first, then those of v; of a missing column there are none.
+        residuals = found.residuals[n * count : (n + 1) * count]
         ax.plot(
-            measured.t[: len(part)],
-            part,
+            measured.t[: len(residuals)],
+            residuals,
             marker,
             ms=4,
             mew=0.8,
@@ -271,7 +278,8 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
         values = check.x
         name = "$x$"
         color = POSITION
-    around = slice(max(0, step - 3), step + 2 + 3)
+    # The two samples of the step, and up to SAMPLES_BESIDE on either side.
+    around = slice(max(0, step - SAMPLES_BESIDE), step + 2 + SAMPLES_BESIDE)
     p = check.trajectory.parameters
     shown = values[around]
     events = tuple[Event, ...]()
@@ -330,6 +338,8 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
 #: Rows of a table, and those that are shown before the reader unfolds the rest.
 MOST_ROWS = 200
 FIRST_ROWS = 8
+#: Curves of more samples are pixels in the page: as lines they would be megabytes.
+MOST_DRAWN_SAMPLES = 4_000
 
 
 def write_page(check: CrossCheck, path: str | Path) -> Path:
@@ -369,10 +379,9 @@ def _verdict(check: CrossCheck) -> str:
         )
     wrong = f"wrong steps: {len(check.wrong_steps)} of {len(check.defects)}"
     events = f"events missed: {len(check.missed)}, invented: {len(check.invented)}"
-    beside = "".join(
-        f" {said[0].upper()}{said[1:]}." for said in (check.wrong_start, check.early_end) if said
-    )
-    return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step).{beside}"
+    ends = (check.wrong_start, check.early_end)
+    other_faults = "".join(f" {reason[0].upper()}{reason[1:]}." for reason in ends if reason)
+    return f"Not right: {wrong}; {events} (tolerance {check.tolerance:g} per step).{other_faults}"
 
 
 def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
@@ -391,10 +400,9 @@ def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
     rows.sort(key=lambda row: float(row[2].t))
     texts: list[tuple[Any, ...]] = []
     for verdict, error, event in rows:
-        way = f"{event.source} → {event.target}" if event.source else ""
-        texts.append(
-            (f"{float(event.t):.10g}", event.kind, str(event.boundary or ""), verdict, error, way)
-        )
+        t = f"{float(event.t):.10g}"
+        modes = f"{event.source} → {event.target}" if event.source else ""
+        texts.append((t, event.kind, str(event.boundary or ""), verdict, error, modes))
     return texts
 
 
@@ -417,18 +425,17 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
     """Yield the pictures of a cross-check's page, as from `_picture`: the first wrong step, if any,
     then all panels.
     """
-    # as lines they would be megabytes
     first = check.first_wrong
-    many = len(check.t) > 4_000
+    as_pixels = len(check.t) > MOST_DRAWN_SAMPLES
     if first:
-        said = (
+        caption = (
             f"The step from sample {first.step} (t = {first.t:.8g}) to the next one. The line is "
             "the exact motion "
+            "from that sample on; it should end at the cross. Grey lines are its events."
         )
-        said += "from that sample on; it should end at the cross. Grey lines are its events."
-        yield _picture(step_figure(check), False, "First wrong step", said)
-    for letter, title, said in CAPTIONS:
-        yield _picture(crosscheck_figure(check, letter), many, title, said)
+        yield _picture(step_figure(check), False, "First wrong step", caption)
+    for letter, title, caption in CAPTIONS:
+        yield _picture(crosscheck_figure(check, letter), as_pixels, title, caption)
 
 
 @rc_context(STYLE)
@@ -476,6 +483,7 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     'width of the enclosure'
     """
     require(Certificate, certificate=certificate)
+    # An event is kind, source and target, and then the enclosures of t and of x, if it has them.
     events = [event for event in certificate.events if len(event) > 3]
     if not events:
         allowed = (
@@ -515,6 +523,8 @@ LEAST_UNITS = 1e-3
 MOST_UNITS = 1e10
 FAULTY = 1e12
 ABSENT = 1e14
+#: How much of a case's column the marks of all solvers fill; columns are 1 apart.
+COLUMN_WIDTH = 0.8
 
 
 @public
@@ -545,6 +555,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         raise ParameterError("scores", scores, "must be one or more")
     looks = []
     for i, _ in enumerate(scores):
+        # Once the colours are used up the marks move on by one: no pair of the two comes twice.
         mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
         look: Record = {
             "color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)],
@@ -554,10 +565,9 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         looks.append(look | {"markersize": 3.2, "markeredgewidth": 0})
     with axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
         for i, score in enumerate(scores):
-            shift = 0.8 * ((i + 0.5) / len(scores) - 0.5)
-            drawn = [
-                (k + shift, h) for k, h in enumerate(map(_height, score.cases)) if h is not None
-            ]
+            shift = COLUMN_WIDTH * ((i + 0.5) / len(scores) - 0.5)
+            heights = map(_height, score.cases)
+            drawn = [(k + shift, height) for k, height in enumerate(heights) if height is not None]
             if drawn:
                 ax.plot(*zip(*drawn, strict=True), **looks[i])
         _label_groups(ax, scores[0].cases)

@@ -43,6 +43,11 @@ MOST_DOTS = 60
 #: Rows of a table that has more: as many at its beginning and at its end.
 HEAD_ROWS = 7
 TAIL_ROWS = 3
+#: Words of a summary, wrong steps of a cross-check that have a dot, and rows of a scene in the left
+#: one of its two tables.
+MOST_WORDS = 5
+MOST_WRONG_STEPS = 20
+LEFT_ROWS = 8
 #: Size of a small picture, and the margin around what it shows.
 PICTURE_WIDTH = 260
 PICTURE_HEIGHT = 130
@@ -69,9 +74,9 @@ def table(heads: Sequence[str], count: int, row: Callable[[int], Sequence[Any]])
     """
     if not count:
         return Markup("")
-    some = rows_to_show(count)
-    rows = [[shown(value) for value in row(i)] for i in some]
-    left_out = count - len(some)
+    shown_rows = rows_to_show(count)
+    rows = [[shown(value) for value in row(i)] for i in shown_rows]
+    left_out = count - len(shown_rows)
     gap = f"{left_out:,}" if left_out else ""
     return cast(Markup, macros(PARTS).table(heads, rows[:HEAD_ROWS], gap, rows[HEAD_ROWS:]))
 
@@ -123,14 +128,14 @@ def curve(says: str, x: Any, y: Any, marks: Iterable[tuple[float, float]] = ()) 
     up = _scale(y[known], PICTURE_HEIGHT)
     text = ""
     pen = "M"
-    for place, height, there in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
-        if there:
-            text += f"{pen}{across(place):.1f} {PICTURE_HEIGHT - up(height):.1f}"
-        if there:
+    for abscissa, height, is_known in zip(x.tolist(), y.tolist(), known.tolist(), strict=True):
+        if is_known:
+            # SVG counts y downwards.
+            text += f"{pen}{across(abscissa):.1f} {PICTURE_HEIGHT - up(height):.1f}"
             pen = "L"
         else:
             pen = "M"
-    dots = [(across(place), PICTURE_HEIGHT - up(height)) for place, height in marks]
+    dots = [(across(abscissa), PICTURE_HEIGHT - up(height)) for abscissa, height in marks]
     return cast(Markup, macros(PARTS).picture(PICTURE_WIDTH, PICTURE_HEIGHT, says, text, dots))
 
 
@@ -187,11 +192,12 @@ def trajectory_page(path: Trajectory) -> str:
 def events_page(events: EventTable) -> str:
     """Return the page of the events of many motions."""
     names = ("trajectory", "t", "x", "v", "kind", "boundary", "source", "target", "t_error")
-    some = rows_to_show(len(events))
-    few = select_rows(events, np.array(some, dtype=int), [])
+    # Only the rows to show are taken out of the table.
+    to_show = rows_to_show(len(events))
+    chosen = select_rows(events, np.array(to_show, dtype=int), [])
 
     def row(i: int) -> list[Any]:
-        *values, error = (getattr(few, name)[some.index(i)] for name in names)
+        *values, error = (getattr(chosen, name)[to_show.index(i)] for name in names)
         return [*values, f"{error:.0e}"]
 
     line = f"{counted(len(events), 'event')} of {counted(len(events.status), 'motion')}"
@@ -205,19 +211,19 @@ def summary_page(summary: Summary) -> str:
     words = None
     if len(summary.word):
         names, counts = np.unique(summary.word, return_counts=True)
-        order = np.argsort(-counts, kind="stable")[:5]
+        order = np.argsort(-counts, kind="stable")[:MOST_WORDS]
         words = ", ".join(f"{cut(str(names[i])) or 'no event'} ({counts[i]:,})" for i in order)
-        if len(names) > 5:
-            words += f", and {len(names) - 5} more"
+        if len(names) > MOST_WORDS:
+            words += f", and {len(names) - MOST_WORDS} more"
     if len(summary.status):
         ended = statuses(summary.status)
     else:
         ended = None
     if isinstance(summary.section, np.ndarray):
-        kept = counted(summary.section.shape[1], "point")
+        points = counted(summary.section.shape[1], "point")
     else:
-        kept = None
-    about = facts({"ended": ended, "words": words, "section": kept})
+        points = None
+    about = facts({"ended": ended, "words": words, "section": points})
     heads = ["motion", *columns]
     values = list(columns.values())
     rows = table(
@@ -386,13 +392,16 @@ def window_page(window: GrazingWindow) -> str:
 
 def crosscheck_page(check: CrossCheck) -> str:
     """Return the page of a cross-check: its findings, and the samples with the faults marked."""
-    strange = [("missed", event) for event in check.missed] + [
-        ("invented", event) for event in check.invented
+    wrong_events: list[tuple[str, Any]] = [("missed", event) for event in check.missed]
+    wrong_events += [("invented", event) for event in check.invented]
+    rows = [
+        [verdict, event.kind, event.boundary or "", float(event.t)]
+        for verdict, event in wrong_events
     ]
-    rows = [[what, event.kind, event.boundary or "", float(event.t)] for what, event in strange]
     lines = Markup('<pre style="margin:0;white-space:pre-wrap">{}</pre>').format(check.summary())
     marks = [
-        (float(check.t[step]), float(check.x[step])) for step in check.wrong_steps[:20].tolist()
+        (float(check.t[step]), float(check.x[step]))
+        for step in check.wrong_steps[:MOST_WRONG_STEPS].tolist()
     ]
     drawn = curve("the samples' x against t; dots are wrong steps", check.t, check.x, marks)
     line = f"{'ok' if check.ok else 'FAILED'}, {len(check.t):,} samples"
@@ -454,7 +463,9 @@ def scene_page(scene: Scene) -> str:
     }
     about = {name: cut(text) if text else None for name, text in about.items()}
     heads = ("", "value", "meaning", "unit in SI")
-    tables = (table(heads, len(part), part.__getitem__) for part in (rows[:8], rows[8:]))
+    tables = (
+        table(heads, len(half), half.__getitem__) for half in (rows[:LEFT_ROWS], rows[LEFT_ROWS:])
+    )
     return page("Scene", scene.name, *tables, facts(about))
 
 

@@ -52,6 +52,10 @@ EVENT_MARKS = {
 # A stick shorter than this fraction of the time axis would be a dot: it gets an inset.
 SHORT_STICK = 0.01
 MOST_INSETS = 2
+#: By how much of the range of the velocities an axis may be longer to show a belt's speed.
+LONGER_AXIS = 0.65
+#: Belts nearer than this part of the axis have names that would lie over each other.
+NAMES_TOUCH = 0.08
 
 
 class Mark(NamedTuple):
@@ -121,11 +125,10 @@ class View:
         """
         low = self.v.min()
         high = self.v.max()
-        # of the axis may be added for them
         p = self.trajectory.parameters
-        allowed = 0.65 * (high - low)
-        near = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
-        return sorted({*near, self.boundary})
+        allowed = LONGER_AXIS * (high - low)
+        near_belts = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
+        return sorted({*near_belts, self.boundary})
 
 
 class Sampling(NamedTuple):
@@ -203,9 +206,8 @@ def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> n
     times = []
     for low, high in pairwise(edges):
         even = np.linspace(0, 1, int(min(max((high - low) / step, sampling.least), sampling.most)))
-        times.append(
-            low + (high - low) * np.union1d(even, start)[:-1]
-        )  # without the edge itself: it would be rounded
+        # Without the upper edge, which would be rounded; all edges are added below.
+        times.append(low + (high - low) * np.union1d(even, start)[:-1])
     return np.clip(np.unique(np.concatenate([*times, edges])), edges[0], edges[-1])
 
 
@@ -348,10 +350,12 @@ def _belt_speeds(ax: Axes, view: View) -> None:
     # Above the mass, but thinner: in a stick both are seen.
     p = view.trajectory.parameters
     low, high = ax.get_ylim()
-    near = float(p.v2 - p.v1) < 0.08 * (high - low)  # their names would lie over each other
+    names_touch = float(p.v2 - p.v1) < NAMES_TOUCH * (high - low)
     for belt in view.belts():
         speed = float(p.belt(belt))
-        shift = (0, -5, 5)[belt] * near
+        shift = (0, -5, 5)[
+            belt
+        ] * names_touch  # the lower name down and the upper one up, in points
         if view.belts_move:
             speeds = belt_path(view.trajectory, belt, view.t)[1]
             ax.plot(view.t, speeds, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
@@ -391,11 +395,11 @@ def _draw_marks(
     for label, color in dict.fromkeys((mark.label, mark.color) for mark in marks):
         t = np.array([mark.t for mark in marks if mark.label == label])
         if across == "t":
-            place = t
+            abscissas = t
         else:
-            place = view.trajectory(t)[int(across == "v")]
+            abscissas = view.trajectory(t)[int(across == "v")]
         style = mark_style(label, color, view.scale)
-        ax.plot(place, up(t), linestyle="none", clip_on=False, label=label, **style)
+        ax.plot(abscissas, up(t), linestyle="none", clip_on=False, label=label, **style)
 
 
 def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
@@ -409,7 +413,7 @@ def mark_style(label: str, color: str, scale: float = 1.0) -> Record:
         edge = "white"
         width = 0.4
         level = 5
-    level += color == END_COLOR
+    level += color == END_COLOR  # the end of a stick over its onset
     return {
         "marker": marker,
         "ms": size * scale,
@@ -430,15 +434,14 @@ def _sticks(trajectory: Trajectory) -> list[Contact]:
 
 def _inset_sticks(contacts: Sequence[Contact], t: np.ndarray) -> tuple[Contact, ...]:
     """Return the sticks to show in insets, which are too short to be seen over the times `t`."""
-    # a shorter one would show rounding errors
     longest = SHORT_STICK * (t[-1] - t[0])
-    finest = 1e-10 * np.abs(t).max()
+    shortest = 1e-10 * np.abs(t).max()  # an inset of a shorter one would show rounding errors
     short = [
         contact
         for contact in contacts
-        if finest < contact.until - contact.since < longest and contact.until < t[-1]
+        if shortest < contact.until - contact.since < longest and contact.until < t[-1]
     ]
-    if len(short) > MOST_INSETS:
+    if len(short) > MOST_INSETS:  # only those that are far shorter than usual
         limit = 0.1 * median(
             contact.until - contact.since for contact in contacts if contact.until > contact.since
         )
@@ -474,18 +477,26 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
     times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
     times = np.union1d(times, [since, until])
-    away = view.trajectory(times)[1] - path(times)[1]
-    shift = floor(log10(length))
-    scale = floor(log10(np.abs(away).max() or 1))
+    relative = view.trajectory(times)[1] - path(times)[1]
+    # Both axes are in units of a power of ten, which their labels name.
+    time_power = floor(log10(length))
+    speed_power = floor(log10(np.abs(relative).max() or 1))
     inset = ax.inset_axes(box)
-    inset.plot((times - since) / 10.0**shift, away / 10.0**scale, color=MASS_COLOR, lw=1.3)
+    inset.plot(
+        (times - since) / 10.0**time_power, relative / 10.0**speed_power, color=MASS_COLOR, lw=1.3
+    )
     inset.axhline(0, color=BELT_COLOR, lw=0.6, zorder=3)
-    stick = ((since, "onset of stick", ONSET_COLOR), (until, "end of stick", END_COLOR))
-    for time, label, color in stick if until > since else ((since, "grazing point", SWITCH_COLOR),):
-        inset.plot((time - since) / 10.0**shift, 0, linestyle="none", **mark_style(label, color))
     if until > since:
-        # clear of the belt, between the branches of the curve
-        if away.mean() > 0:
+        marks = [(since, "onset of stick", ONSET_COLOR), (until, "end of stick", END_COLOR)]
+    else:
+        marks = [(since, "grazing point", SWITCH_COLOR)]
+    for time, label, color in marks:
+        inset.plot(
+            (time - since) / 10.0**time_power, 0, linestyle="none", **mark_style(label, color)
+        )
+    if until > since:
+        # Clear of the belt, between the branches of the curve.
+        if relative.mean() > 0:
             height = 0.7
         else:
             height = 0.3
@@ -504,12 +515,15 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
     inset.xaxis.tick_top()
     inset.xaxis.set_label_position("top")
-    powers = [f"$10^{{{-exponent}}}\\," if exponent else "$" for exponent in (shift, scale)]
+    powers = [
+        f"$10^{{{-exponent}}}\\," if exponent else "$" for exponent in (time_power, speed_power)
+    ]
     inset.set_xlabel(f"{powers[0]}(t - {since:.6f})$", fontsize=INSET_FONT, labelpad=2)
     inset.set_ylabel(f"{powers[1]}(\\dot{{x}} - v_{belt})$", fontsize=INSET_FONT, labelpad=2)
     inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
     inset.set_in_layout(False)  # the grid keeps its room free
     leader: Record = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
-    at = since, float(path(np.array([since]))[1, 0])
-    for corner in (box[0], box[0] + box[2]):
-        ax.annotate("", at, (corner, box[1]), "data", "axes fraction", leader, zorder=0)
+    spot = since, float(path(np.array([since]))[1, 0])
+    left, bottom, width, _ = box
+    for corner in (left, left + width):
+        ax.annotate("", spot, (corner, bottom), "data", "axes fraction", leader, zorder=0)

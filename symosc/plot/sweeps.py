@@ -70,6 +70,15 @@ WORD_COLORS = (
     "#fee9b9", "#98e0fd", "#fcaca9", "#57c16b", "#b282ea", "#c66d27", "#1776b4", "#b12061", "#00574c", "#033783",
 )  # fmt: skip
 MOST_CLASSES = 10
+#: The room of a word above axes, as parts of their width: between words, and for each letter.
+WORD_MARGIN = 0.02
+LETTER_WIDTH = 0.015
+#: Whole numbers of more different values are shades in a map, not classes.
+MOST_WHOLE_CLASSES = 24
+#: A class is named in a map only if so much of the map is free around the place.
+LEAST_ROOM = 0.045
+#: Bars of a summary; the rarest values share the last one.
+MOST_BARS = 12
 UNDECIDED_COLOR = "#d7191c"
 
 
@@ -156,14 +165,16 @@ def swept_figure(
 
     require(DATASET, SweptDataset, dataset=dataset)
     require_or_none(TEXT, name=name)
-    data: Any = getattr(dataset, "dataset", dataset)  # what `dataset.symosc` is made for
+    data: Any = getattr(dataset, "dataset", dataset)  # an accessor `dataset.symosc` stands for it
     column = read_column(data, name)
     axes = axes_of(column)
     if column.name == "section":
         return bifurcation_figure(data, ax=ax)
     if len(axes) == 1:
         return curve_figure(data, column.name, ax=ax)
-    return (basin_figure if set(axes) == {"x0", "v0"} else map_figure)(data, column.name, ax=ax)
+    if set(axes) == {"x0", "v0"}:
+        return basin_figure(data, column.name, ax=ax)
+    return map_figure(data, column.name, ax=ax)
 
 
 @public
@@ -217,8 +228,10 @@ def _mark_changes(axes: Axes, values: np.ndarray, words: np.ndarray, named: bool
     places = [low, *((values[i - 1] + values[i]) / 2 for i in cuts[1:-1]), high]
     for right in places[1:-1]:
         axes.axvline(right, color="0.6", lw=0.6, ls=(0, (4, 2)), zorder=0)
+    # `cuts` has one more than there are stretches: the index beyond the last word.
     for i, (left, right) in zip(cuts, pairwise(places), strict=False):
-        if named and right - left > (high - low) * (0.02 + 0.015 * len(words[i])):
+        word_width = (high - low) * (WORD_MARGIN + LETTER_WIDTH * len(words[i]))
+        if named and right - left > word_width:
             write_above(axes, (left + right) / 2, typeset(words[i]), 3)
 
 
@@ -324,16 +337,17 @@ def response_figure(
 
     require(FrequencyResponse, found=found)
     order = np.argsort(found.values)
+    # A motion without a word has a blank: a name that takes room and shows nothing.
     words = np.where(
         found.status == "rest", "rest", [_cyclic_word(word) or " " for word in found.word]
     )[order]
-    how: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
+    layout: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
     draw = {letter: partial(_response_panel, letter=letter) for letter in RESPONSE_PANELS}
-    with panels_for(found, draw, panels, ax, (3.5, 2.1), **how) as (drawing, row):
+    with panels_for(found, draw, panels, ax, (3.5, 2.1), **layout) as (drawing, row):
         for axes in row:
             axes.set_xlim(found.values.min(), found.values.max())
             _mark_changes(axes, found.values[order], words, named=axes is row[0])
-        for axes in row[-2:]:
+        for axes in row[-2:]:  # the lowest of each of the two columns
             axes.set_xlabel(PARAMETER_LABELS[found.name])
         add_legend(drawing, ax, row, 5)
     return drawing
@@ -377,19 +391,19 @@ def _fit_height(axes: Axes, response: FrequencyResponse, drawn: np.ndarray) -> N
     top = float(drawn.max()) or 1.0
     resonances = response.values[np.isinf(response.balance)]
     if len(resonances):
-        usual = float(np.quantile(drawn, 0.8))
-        cut = 0.0 < HIGHEST * usual < top
-        if cut:
-            top = HIGHEST * usual
+        highest = HIGHEST * float(np.quantile(drawn, 0.8))
+        is_cut = 0.0 < highest < top
+        if is_cut:
+            top = highest
         places = ", ".join(f"{value:.6g}" for value in resonances[:MOST_NAMED])
         if len(resonances) > MOST_NAMED:
             places += ", …"
-        says = f"infinite at {PARAMETER_LABELS[response.name]} = {places}"
-        if cut:
-            says += "\nhigher values cut off"
+        note = f"infinite at {PARAMETER_LABELS[response.name]} = {places}"
+        if is_cut:
+            note += "\nhigher values cut off"
         for value in resonances:
             axes.axvline(value, color="0.6", lw=0.8, ls=":", zorder=0)
-        axes.text(0.98, 0.94, says, transform=axes.transAxes, ha="right", va="top", fontsize=7)
+        axes.text(0.98, 0.94, note, transform=axes.transAxes, ha="right", va="top", fontsize=7)
     axes.set_ylim(0, 1.08 * top)
 
 
@@ -445,7 +459,7 @@ def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
     edges = _cell_edges(column[first].values), _cell_edges(column[second].values)
     with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
         if values.dtype.kind in "UO" or (
-            values.dtype.kind in "iu" and len(np.unique(values)) <= 24
+            values.dtype.kind in "iu" and len(np.unique(values)) <= MOST_WHOLE_CLASSES
         ):
             _draw_classes(axes, edges, *classes_of(values, unknown), new=ax is None)
         else:
@@ -500,23 +514,23 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray,
     """Return for each cell the number of its class, and for each class its name, colour and
     hatching.
     """
-    words = values.dtype.kind in "UO"
-    if words:
-        texts = np.where(values == "", "no event", values).astype(str)
+    are_words = values.dtype.kind in "UO"
+    if are_words:
+        named_values = np.where(values == "", "no event", values).astype(str)
     else:
-        texts = values
-    kinds, codes, counts = np.unique(texts, return_inverse=True, return_counts=True)
+        named_values = values
+    kinds, codes, counts = np.unique(named_values, return_inverse=True, return_counts=True)
     codes = codes.reshape(values.shape)
-    if words:
+    if are_words:  # the most frequent first; whole numbers stay in their order
         order = np.argsort(-counts, kind="stable")
-        codes = np.argsort(order, kind="stable")[codes]
+        codes = np.argsort(order, kind="stable")[codes]  # the inverse of the permutation
         kinds = kinds[order]
     if len(kinds) > MOST_CLASSES:
         shown = MOST_CLASSES - 1
     else:
         shown = len(kinds)
     shades: Any = colormaps[SHADES](np.linspace(0.02, 0.92, max(shown, 2)))
-    if words:
+    if are_words:
         spread = np.linspace(0, len(WORD_COLORS) - 1, max(shown, 2)).round().astype(int)
         shades = to_rgba_array([WORD_COLORS[i] for i in spread])
     looks = [(str(kind), shade, "") for kind, shade in zip(kinds[:shown], shades, strict=False)]
@@ -561,32 +575,30 @@ def _draw_classes(
         for name, color, hatch in looks
     ]
     if new:
-        place: Record = {"loc": "outside right upper"}
-    else:
-        place = {"loc": "upper left", "bbox_to_anchor": (1, 1)}
-    if new:
+        position: Record = {"loc": "outside right upper"}
         draw = axes.figure.legend
     else:
+        position = {"loc": "upper left", "bbox_to_anchor": (1, 1)}
         draw = axes.legend
-    draw(handles=handles, frameon=False, handlelength=1.4, handleheight=1.0, **place)
+    draw(handles=handles, frameon=False, handlelength=1.4, handleheight=1.0, **position)
 
 
 def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:
     """Write the name of a class at the point deepest within its cells, where `inside` is true, if
     there is room.
     """
-    from scipy.ndimage import (
-        distance_transform_edt,
-    )  # takes longer to load than most figures to draw
+    # scipy.ndimage takes longer to load than most figures to draw.
+    from scipy.ndimage import distance_transform_edt
 
+    # The padding makes the map's frame an edge of the class; depths are parts of the map's sides.
     depth = distance_transform_edt(
         np.pad(inside, 1), sampling=[1 / length for length in inside.shape]
     )[1:-1, 1:-1]
     cell = np.unravel_index(np.argmax(depth), depth.shape)
-    if depth[cell] > 0.045:  # so much of the map is free around the place
+    if depth[cell] > LEAST_ROOM:
         x, y = ((edge[k] + edge[k + 1]) / 2 for edge, k in zip(edges, cell, strict=True))
         red, green, blue = color[:3]
-        # by the lightness in grey
+        # The weights of red, green and blue in the lightness of a grey picture.
         if 0.299 * red + 0.587 * green + 0.114 * blue < 0.45:
             ink = "white"
         else:
@@ -613,7 +625,7 @@ def _draw_shades(
 ) -> None:
     """Draw a map of numbers as shades, with lines of equal value and a colour bar."""
     shown = np.ma.masked_invalid(values).T
-    axes.set_facecolor(UNDECIDED_COLOR)
+    axes.set_facecolor(UNDECIDED_COLOR)  # seen where a value is missing
     mesh = axes.pcolormesh(*edges, shown, cmap=SHADES, rasterized=True)
     axes.figure.colorbar(mesh, ax=axes, label=name)
     if min(values.shape) > 1 and np.nanmin(values) < np.nanmax(values):
@@ -647,19 +659,20 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     """
     require(EventTable, events=events)
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
+        # Marks of more events are smaller: all together they cover about the same area.
         scale = max(0.6 / 5, min(1.0, (200 / max(len(events), 1)) ** 0.5))
         for code, kind in KIND_NAMES.items():
             name, color = EVENT_MARKS[kind]
             shape, size = SHAPES[name]
-            here = events.kind_code == code
-            if here.any():
+            of_kind = events.kind_code == code
+            if of_kind.any():
                 style: Record = {
                     "ls": "",
                     "ms": max(size * scale, 0.6),
                     "color": color,
                     "label": name,
                 }
-                axes.plot(events.t[here], events.trajectory[here], shape, **style)
+                axes.plot(events.t[of_kind], events.trajectory[of_kind], shape, **style)
         axes.set(xlabel="time $t$", ylabel="motion", ylim=(-0.5, max(len(events.status), 1) - 0.5))
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))
         if len(events) == 0:
@@ -728,14 +741,14 @@ def _bars(axes: Axes, values: np.ndarray, name: str) -> None:
     order = np.argsort(-counts, kind="stable")
     names = [typeset(str(kinds[i])) if name == "word" else str(kinds[i]) for i in order]
     sizes = counts[order].tolist()
-    if len(names) > 12:
-        rest = len(names) - 12 + 1
-        names = [*names[:-rest], f"{rest} others"]
-        sizes = [*sizes[:-rest], sum(sizes[-rest:])]
+    if len(names) > MOST_BARS:
+        joined = len(names) - MOST_BARS + 1
+        names = [*names[:-joined], f"{joined} others"]
+        sizes = [*sizes[:-joined], sum(sizes[-joined:])]
     bars = axes.barh(range(len(names)), sizes, color="0.8", edgecolor="black", linewidth=0.5)
     axes.bar_label(bars, padding=2)
     axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(max(len(names), 4) - 0.5, -0.5)
+    axes.set_ylim(max(len(names), 4) - 0.5, -0.5)  # downwards, and few bars are not made thick
     axes.margins(x=0.12)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set(xlabel="motions", ylabel=label(name))
@@ -783,6 +796,7 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
                 PolyCollection([corners(box) for box in atlas.open], linewidths=0, **hatched)
             )
             entries["not proven"] = Patch(linewidth=0.4, **hatched)
+        # An atlas without proven boxes shows the words that were simulated on its grid.
         for word, colour in () if atlas.boxes else colours.items():
             places = np.array([(x, y) for x, y, seen in atlas.grid if seen == word])
             if len(places):

@@ -59,6 +59,8 @@ START_COLOR = "#d7191c"
 SOLID: Any = "solid"
 DASHES: Any = (0, (4, 2))
 TURN = 2 * pi
+#: About half a turn: a phase that changes by more from point to point has jumped by a turn.
+HALF_A_TURN = 3
 PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
 PHASE_LABEL = r"$\mathrm{mod}(\Omega t_m, 2\pi)$"
 CIRCLE_POINTS = 1441
@@ -135,6 +137,7 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
     """
 
     def arc(low: float, high: float, **style: Any) -> None:
+        """Draw the arc of the circle from the phase `low` to `high`."""
         theta = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
         axes.plot(np.cos(theta), np.sin(theta), **style)
 
@@ -156,6 +159,8 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
             zorder=1,
         )
     for (theta, _), name in zip(critical, (r"$\Theta^{cr}$", r"$\pi-\Theta^{cr}$"), strict=False):
+        # The names stand outside the circle, farther at its top and bottom, on the side away from
+        # it.
         if abs(cos(theta)) < 0.5:
             beyond = 1.28
         else:
@@ -172,6 +177,7 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
         x = cos(quarter * pi / 2)
         y = sin(quarter * pi / 2)
         axes.plot([0.94 * x, x], [0.94 * y, y], color="black", linewidth=0.6)
+        # Not where the name of a critical phase stands.
         if all(cos(quarter * pi / 2 - angle) < 0.95 for angle, _ in critical):
             axes.text(1.12 * x, 1.2 * y, PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
@@ -189,12 +195,12 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
     if amplitude_sign == 0 or excess_sign > 0:
         return []
     if excess_sign == 0:
-        return [
-            (
-                HALF_PI[0] if gamma_sign * amplitude_sign < 0 else THREE_HALVES_PI,
-                window.kind == EVERYTHING,
-            )
-        ]
+        # |gamma| = |B0| Omega/m: the sine of the critical phase is 1 or -1, at a single phase.
+        if gamma_sign * amplitude_sign < 0:
+            theta = HALF_PI[0]
+        else:
+            theta = THREE_HALVES_PI
+        return [(theta, window.kind == EVERYTHING)]
     theta_cr = float(window.critical_phase())
     return [(theta_cr % TURN, False), (pi - theta_cr, False)]
 
@@ -245,6 +251,7 @@ def _contacts(axes: Axes, window: GrazingWindow) -> None:
         axes.plot(phases, middle + amplitude * np.cos(phases), color=color, linewidth=width)
     for theta, belongs in critical_phases(window):
         axes.axvline(theta, color=CRITICAL_COLOR, linewidth=0.7, linestyle=(0, (4, 3)), zorder=0)
+        # The phase 0 is at both ends of the axis.
         for shown in (theta, TURN) if theta == 0 else (theta,):
             draw_dot(axes, shown, middle + amplitude * float(np.cos(theta)), belongs)
 
@@ -293,8 +300,8 @@ def sweep_figure(
     low, high = _sweep_range(p, mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
     # Equality and 0, where the window changes its kind, with their neighbours.
-    near = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
-    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in near]
+    offsets = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
+    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in offsets]
     values = np.union1d(
         np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high]
     )
@@ -306,9 +313,9 @@ def sweep_figure(
         label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
         for curve in (columns.theta_cr % TURN, pi - columns.theta_cr):
             if not np.isnan(curve).all():
-                broken = np.where(
-                    np.abs(np.diff(curve, prepend=curve[0])) > 3, np.nan, curve
-                )  # at jumps by a turn
+                # nan interrupts the line where the phase jumps by a turn.
+                is_jump = np.abs(np.diff(curve, prepend=curve[0])) > HALF_A_TURN
+                broken = np.where(is_jump, np.nan, curve)
                 axes.plot(
                     values,
                     broken,
@@ -334,7 +341,8 @@ def sweep_figure(
         )
         value = float(getattr(p, name))
         width = high - low
-        if low <= value <= high:  # a line, off the frame
+        if low <= value <= high:
+            # If the line would lie on the frame, the axis goes on a little beyond it.
             axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
             near_low = value - low < 0.02 * width
             near_high = high - value < 0.02 * width
@@ -356,13 +364,8 @@ def _sweep_range(
         raise ParameterError(
             "name", name, f"the window of {mapping} depends on {', '.join(names)} only"
         )
-    reach = (
-        2
-        * max(
-            [abs(float(getattr(p, name))), *(abs(float(q)) for q in _equalities(p, mapping, name))]
-        )
-        or 1.0
-    )
+    equalities = [abs(float(value)) for value in _equalities(p, mapping, name)]
+    reach = 2 * max([abs(float(getattr(p, name))), *equalities]) or 1.0
     least, most = {
         "Omega": (reach / 400, reach),
         "k": (0.0, reach),
@@ -407,7 +410,7 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
 
 
 def _window_areas(axes: Axes, values: np.ndarray, columns: WindowColumns, above: Any) -> None:
-    """Shade the grazing window `found`, between its lower and upper phases, over the values of a
+    """Shade the grazing window in `columns`, between its lower and upper phases, over the values of a
     parameter.
 
     `above` is positive where the window is above the line of its critical phases. A window that is
@@ -518,12 +521,13 @@ def _margin(
     if isinstance(condition, sp.And | sp.Or):
         margins = [_margin(margin, letters, x, y, more) for margin in condition.args]
         return (np.min if isinstance(condition, sp.And) else np.max)(margins, axis=0)
+    # sympy's names of the greater side and of the less one, of < and of > alike.
     difference = sp.lambdify(letters, condition.gts - condition.lts, "numpy")(x, y)
     return np.broadcast_to(difference, x.shape) + more * isinstance(condition, sp.Ge | sp.Le)
 
 
 def _axis_range(region: ParameterRegion, name: str, limits: Any) -> tuple[float, float]:
-    """Return the range of an axis: `given`, or one with the parameter's value in it, and both belts
+    """Return the range of an axis: `limits`, or one with the parameter's value in it, and both belts
     for v1 or v2.
     """
     p = region.parameters
@@ -537,7 +541,10 @@ def _axis_range(region: ParameterRegion, name: str, limits: Any) -> tuple[float,
         second_speed = abs(float(p.v2 if name == "v1" else p.v1))
     else:
         second_speed = 0.0
-    reach = 2 * max(value, min(second_speed, 2 * value) if value else second_speed) or 1.0
+    # A second belt that is much faster does not stretch the axis.
+    if value:
+        second_speed = min(second_speed, 2 * value)
+    reach = 2 * max(value, second_speed) or 1.0
     if name in ("k", "Omega"):
         return (0.0, reach)
     return (-reach, reach)
@@ -576,15 +583,14 @@ def _region_borders(
         (SOLID, ~closed, "border, inside"),
         (DASHES, closed, "border, not inside"),
     ):
-        part = np.ma.masked_invalid(np.where(hidden, np.nan, inside))
-        if part.count() == 0 or not part.min() <= 0 <= part.max():
+        margin = np.ma.masked_invalid(np.where(hidden, np.nan, inside))
+        if margin.count() == 0 or not margin.min() <= 0 <= margin.max():
             continue
         lines = axes.contour(
-            x, y, part, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2
+            x, y, margin, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2
         )
-        least = 0.01 * np.array(
-            [np.ptp(x), np.ptp(y)]
-        )  # a shorter piece is only where two kinds of border meet
+        # A shorter piece is only where two kinds of border meet.
+        least = 0.01 * np.array([np.ptp(x), np.ptp(y)])
         if any((np.ptp(piece, axis=0) > least).any() for piece in lines.allsegs[0] if len(piece)):
             shown.append(
                 Line2D([], [], color=INSIDE_COLOR, linewidth=1.2, linestyle=style, label=label)
@@ -655,6 +661,7 @@ def figure_grazing_curve(
     'flight to the grazing point'
     """
     require(GrazingCurve, curve=curve)
+    # `panels_for` has drawn the panels when it yields their axes.
     with panels_for(curve, CURVE_PANELS, panels, ax, (3.5, 3.2)) as (drawing, _):
         return drawing
 
@@ -671,12 +678,12 @@ def _draw_flight(axes: Axes, curve: GrazingCurve) -> None:
     )
     spans = [(piece.low.theta_m, piece.high.theta_m) for piece in curve.pieces]
     spans += [(low, high) for low, high, _ in curve.gaps]
-    # Over a full circle, from the cut of the curve.
-    _finish(
-        axes,
-        curve,
-        (min(low for low, _ in spans), max(high for _, high in spans)) if spans else (0, TURN),
-    )
+    # The axis begins where the curve is cut, so that a piece across the phase 0 stays whole.
+    if spans:
+        span = min(low for low, _ in spans), max(high for _, high in spans)
+    else:
+        span = 0, TURN
+    _finish(axes, curve, span)
 
 
 def draw_plane(axes: Axes, curve: GrazingCurve) -> None:
@@ -705,16 +712,17 @@ def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
     """Set the range `span` of phases, ticks and legend; write why the curve is empty if it is."""
     if not curve.pieces:
         if curve.windows:
-            why = "no start on this plane grazes"
+            reason = "no start on this plane grazes"
         else:
-            why = "the window is empty"
-        axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center")
+            reason = "the window is empty"
+        axes.text(0.5, 0.5, reason, transform=axes.transAxes, ha="center", va="center")
         axes.set_yticks([])
     axes.set_xlim(*span)
     low, high = axes.get_xlim()
-    inside = [k for k in range(-4, 13) if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
-    names = [ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in inside]
-    axes.set_xticks([k * pi / 2 for k in inside], names)
+    # Ticks at the quarter turns k pi/2 of the axis.
+    quarters = [k for k in range(-4, 13) if low - 1e-9 <= k * pi / 2 <= high + 1e-9]
+    names = [ANGLE_TICKS.get(k, rf"${k // 2 if k % 2 == 0 else f'{k}/2 '}\pi$") for k in quarters]
+    axes.set_xticks([k * pi / 2 for k in quarters], names)
     entries = legend_entries([axes])
     if entries:
         axes.legend(list(entries.values()), list(entries), frameon=False, fontsize=7)
@@ -723,8 +731,8 @@ def _finish(axes: Axes, curve: GrazingCurve, span: tuple[float, float]) -> None:
 def _line(axes: Axes, theta: np.ndarray, x: np.ndarray, **style: Any) -> None:
     """Draw a curve over its phase modulo 2 pi, interrupted where that jumps back to 0."""
     turns = np.floor(theta / TURN)
-    for part in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
-        axes.plot(theta[part] - TURN * turns[part], x[part], linewidth=1.2, **style)
+    for rows in np.split(np.arange(len(theta)), np.nonzero(np.diff(turns))[0] + 1):
+        axes.plot(theta[rows] - TURN * turns[rows], x[rows], linewidth=1.2, **style)
 
 
 def _draw_ends(axes: Axes, piece: CurvePiece, at: Callable[[Any], tuple[float, float]]) -> None:

@@ -142,6 +142,7 @@ class Scene(Drawable):
             whole = read_word(self.structure).cycle
             object.__setattr__(self, "structure", str(whole))
         model: Any = self.parameters
+        # The end may be in periods of the drive after t0.
         given_start = {name: getattr(self, name) for name in START_NAMES}
         given_start["t_end"] = end_time(self.t_end, parameters_of(model), self.t0)
         numbers, rounding = start_numbers(given_start, parameters_of(model))
@@ -158,6 +159,7 @@ class Scene(Drawable):
             object.__setattr__(self, "original", original)
             object.__setattr__(self, "parameters", model.parameters)
             numbers, error = _reduced_problem(original)
+        # A copy with other numbers, as `dataclasses.replace` makes, is no longer that of the model.
         elif self.original and (model, numbers) != (
             self.original.model.parameters,
             _reduced_problem(self.original)[0],
@@ -171,9 +173,10 @@ class Scene(Drawable):
         """Raise ParameterError if an argument is not of its type."""
         for name in ("name", "source", "structure"):
             value = getattr(self, name)
-            is_text = isinstance(value, str) and (name != "name" or value.strip())
-            if not is_text and not (name == "structure" and value is None):
+            if not isinstance(value, str) and not (name == "structure" and value is None):
                 raise ParameterError(name, value, "must be text")
+        if not self.name.strip():
+            raise ParameterError("name", self.name, "must be text that is not empty")
         if not isinstance(self.parameters, Parameters | OtherModel):
             raise ParameterError(
                 "parameters", self.parameters, "must be Parameters or an OtherModel"
@@ -258,9 +261,11 @@ def _reduced_problem(original: Original) -> tuple[dict[str, Fraction], StartErro
     """
     model, t0, x0, v0, t_end, error = original
     start, known = reduced_start(model, t0, x0, v0)
-    if error is not None:  # an error of t0 moves the belts
+    if error is not None:
+        # An error of t0 is also one of the belts' position and velocity, which are subtracted.
+        t_error = error[0]
         rate = model.shift.rate(model.Omega)
-        moved = Fraction(0), rate.bound() * error[0], rate.rate(model.Omega).bound() * error[0]
+        moved = Fraction(0), rate.bound() * t_error, rate.rate(model.Omega).bound() * t_error
         known = tuple(map(sum, zip(known, error, moved, strict=True)))  # type: ignore[assignment]
     numbers = dict(zip(START_NAMES, (*start, reduced_time(model, t_end)), strict=True))
     return numbers, known if any(known) else error
@@ -361,6 +366,7 @@ def scene_names() -> list[str]:
 
 @cache
 def _shipped_names() -> tuple[str, ...]:
+    """Return the names of the shipped scenes, in the order of `scene_names`."""
     names = [path.stem for path in SCENES_FOLDER.glob("*.toml")]
     return tuple(sorted(names, key=lambda name: (figure_of(name) or inf, len(name), name)))
 
@@ -422,6 +428,7 @@ def load_scene(name_or_path: SceneName) -> Scene:
 
 
 def _read_file(path: Path, where: str) -> Scene:
+    """Return the scene in a TOML file, which messages call `where`."""
     try:
         with path.open(encoding="utf-8-sig") as file:
             content = file.read(MOST_CHARACTERS + 1)
@@ -487,6 +494,7 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
     """
 
     def line(name: str, text: str) -> str:
+        """Return the line of a number, with its meaning and unit as a comment if `explained`."""
         written = f"{name} = {_toml_number(text)}"
         if not explained:
             return written
@@ -542,7 +550,8 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
 
 
 def _toml_number(text: str) -> str:
-    # TOML has no fractions; as text they are read exactly
+    """Return a number's text as TOML writes it."""
+    # TOML has no fractions; as text they are read exactly.
     if "/" in text:
         return json.dumps(text)
     return text

@@ -159,14 +159,14 @@ def _check_keys(file: SceneFile, name: str) -> None:
     missing = [key for key in required if key not in table]
     for key in table:  # before what is missing: that may be what was meant
         if key not in known:
-            place = file.place(*filter(None, [name, key]))
+            location = file.place(*filter(None, [name, key]))
             hint = meant(key, missing or known)
             unknown = f"{prefix}{brief(key)} is unknown{hint}; known are {', '.join(known)}"
             if name == "parameters" and key in MODEL_KEYS:
                 unknown += (
                     "; a model other than that of symosc has a table [model], and this stands there"
                 )
-            raise SceneError(file.where, f"{place}: {unknown}" if place else unknown)
+            raise SceneError(file.where, f"{location}: {unknown}" if location else unknown)
     for key in missing:
         if name and file.place(name):
             begins = f"; [{name}] begins in {file.place(name)}"

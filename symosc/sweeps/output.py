@@ -43,6 +43,8 @@ ENGINES: dict[str, Any] = {".nc": "h5netcdf", ".zarr": "zarr"}
 #: The first line of a CSV file: the attributes and the types of the columns, as JSON.
 COMMENT = "# "
 NO_CHECKSUM = "0" * 64
+#: An axis of more values is not written out in the call.
+MOST_WRITTEN = 2000
 PLAN_FORM, CHECKSUM_FORM = (
     re.compile(name + rb'"?: "?([0-9a-f]{64})') for name in (b"plan", b"sha256")
 )
@@ -90,6 +92,7 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
     """
 
     def about(name: str, dimension: str) -> dict[str, str]:
+        """Return the attributes of a variable; a `dimension` "1" is that of a pure number."""
         if dimension == "1":
             units = {"units": "1"}
         elif dimension:
@@ -131,13 +134,8 @@ def _call_text(plan: SweepPlan) -> str:
     }
     scene = plan.scene
     axes = list[str]()
-    for (
-        name,
-        axis,
-    ) in (
-        over.items()
-    ):  # axes with more values are not written out in the call; the coordinates have them
-        if len(axis.values) > 2000:
+    for name, axis in over.items():
+        if len(axis.values) > MOST_WRITTEN:  # the coordinates have them
             values = f"dataset[{name!r}].values"
         else:
             values = repr(axis.values.tolist())
@@ -171,7 +169,9 @@ def output_path(path: Any) -> Path:
     name = read_path(path)
     target = Path(name)
     if name == STDOUT:
-        raise OutputError(name, "a sweep goes to a file, beside which its chunks are kept")
+        raise OutputError(
+            name, "a sweep must be written to a file, because its chunks are kept beside it"
+        )
     if target.suffix.lower() not in WRITERS:
         raise OutputError(name, f"a sweep's name must end in {', '.join(WRITERS)}")
     if not target.parent.is_dir():
@@ -189,14 +189,15 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
     SweepError if the file is no output of a sweep or, if `to_replace`, is a folder that has other
     files too.
     """
-    # The file is read as bytes: the libraries do not fail well.
+    # The file is read as bytes: the libraries do not fail well. A netCDF file has the plan at its
+    # end, a CSV file in its first line.
     if not os.path.lexists(path):
         return None
     plans = list[bytes]()
-    place = _text_file(path)
+    file_with_plan = _text_file(path)
     ending = path.suffix.lower()
-    if place.is_file():
-        with suppress(OSError), place.open("rb") as file:
+    if file_with_plan.is_file():
+        with suppress(OSError), file_with_plan.open("rb") as file:
             if ending == ".nc":
                 size = len(NETCDF_END.format(NO_CHECKSUM, NO_CHECKSUM))
                 file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
@@ -273,9 +274,8 @@ def _to_disk(path: Path) -> None:
     """Force a file, or the names of the files in a folder, out of the system's memory onto the
     disk.
     """
-    with (
-        suppress(OSError) if path.is_dir() else nullcontext()
-    ):  # not every system does it for folders
+    # Not every system does it for folders.
+    with suppress(OSError) if path.is_dir() else nullcontext():
         handle = os.open(path, os.O_RDONLY)
         try:
             os.fsync(handle)
@@ -287,15 +287,16 @@ def _checksum(path: Path) -> tuple[str, str, int]:
     """Return the checksum of an output, the one that is stated in it ("" if none), and the stated
     one's position.
     """
-    place = _text_file(path)
+    file_with_checksum = _text_file(path)
     stated = ""
     begin = 0
     checksum = sha256()
     for name, file in (_files_in(path) or {"": path}).items():
         content = memoryview(file.read_bytes())
         checksum.update(f"{name} {len(content)}\n".encode())
-        if file == place and (places := list(CHECKSUM_FORM.finditer(content))):
-            begin, end = places[-1].span(1)  # before it, a scene may have any name
+        if file == file_with_checksum and (matches := list(CHECKSUM_FORM.finditer(content))):
+            # The last one: before it, the name of a scene may look like a checksum.
+            begin, end = matches[-1].span(1)
             stated = bytes(content[begin:end]).decode()
             checksum.update(content[:begin])
             checksum.update(NO_CHECKSUM.encode())
@@ -331,9 +332,8 @@ def _write_zarr(dataset: xarray.Dataset, draft: Path) -> None:
 
     plain = dataset.copy()
     for name, variable in dataset.variables.items():
-        if (
-            variable.dtype.kind == "U"
-        ):  # texts of fixed width have no place in zarr's specification yet
+        # Texts of fixed width have no place in zarr's specification yet.
+        if variable.dtype.kind == "U":
             plain[name] = variable.astype(object)
     checked = {name: {"compressors": (ZstdCodec(), Crc32cCodec())} for name in dataset.variables}
     with warnings.catch_warnings():
@@ -372,11 +372,14 @@ def _read_dataset(path: Path, engine: Any) -> Columns:
     """
     columns: Columns = {}
     with need_xarray().open_dataset(path, engine=engine) as dataset:
-        count = dataset["status"].ndim
+        # Each cell has one status, so that its dimensions are those of the sweep.
+        swept = dataset["status"].ndim
         cells = dataset["status"].size
         for name, variable in dataset.data_vars.items():
-            values = variable.values.reshape(cells, *variable.shape[count:])
-            columns[str(name)] = np.array(values.tolist()) if values.dtype.kind in "OT" else values
+            values = variable.values.reshape(cells, *variable.shape[swept:])
+            if values.dtype.kind in "OT":  # texts, which symosc keeps in fixed width
+                values = np.array(values.tolist())
+            columns[str(name)] = values
     return columns
 
 
@@ -386,9 +389,8 @@ def _read_csv(path: Path) -> Columns:
         head = json.loads(file.readline().removeprefix(COMMENT))
     from pandas import read_csv
 
-    frame = read_csv(
-        path, skiprows=1, dtype=str, na_filter=False
-    )  # as text: numpy reads every digit
+    # As text: numpy reads every digit.
+    frame = read_csv(path, skiprows=1, dtype=str, na_filter=False)
     text = {str(name): np.array(frame[name].tolist()) for name in frame.columns}
     if points := sum(name.startswith("section_x_") for name in text):
         pairs = [[text[f"section_{component}_{i}"] for component in "xv"] for i in range(points)]

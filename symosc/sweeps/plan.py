@@ -111,10 +111,10 @@ class SweepPlan:
 
     def cells(self, begin: int, end: int) -> dict[str, np.ndarray]:
         """Return the swept values of the cells from `begin` up to `end`."""
-        places = np.unravel_index(np.arange(begin, end), tuple(self.sizes.values()))
-        where = dict(zip(self.sizes, places, strict=True))
+        indices = np.unravel_index(np.arange(begin, end), tuple(self.sizes.values()))
+        index_along = dict(zip(self.sizes, indices, strict=True))
         return {
-            name: coordinate.values[where[coordinate.dimension]]
+            name: coordinate.values[index_along[coordinate.dimension]]
             for name, coordinate in self.coordinates.items()
         }
 
@@ -168,10 +168,12 @@ class SweepPlan:
         starts = {name: swept.get(name, getattr(self.scene, name)) for name in STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
         t_end = self.t_end.times(period)
+        if self.t_end.periods:  # they count from the start of each motion
+            t_end = np.asarray(starts["t0"], dtype=float) + t_end
         return {
             "parameters": p,
             "starts": starts,
-            "t_end": np.asarray(starts["t0"], dtype=float) + t_end if self.t_end.periods else t_end,
+            "t_end": t_end,
             "record": self.column_names,
             "skip": self.skip.times(period),
             "sections": self.sections,
@@ -195,7 +197,7 @@ def compute(
     processor = process_time()
     columns: dict[str, np.ndarray] = simulate_many(**arguments, workers=workers).columns()
     threads = workers or os.cpu_count() or 1
-    # Other programs make the first too long, other threads of this one the second.
+    # Two estimates: other programs make the first too long, other threads of this one the second.
     return columns, min((perf_counter() - wall) * threads, process_time() - processor)
 
 
@@ -226,7 +228,8 @@ def read_plan(
     if isinstance(problem, Parameters):
         if t_end is None:
             raise ParameterError("t_end", None, "t_end is required when you pass Parameters")
-        # `t_end` may be in forcing periods, and later than other starts
+        # A scene needs an end. The plan's own `t_end`, read below, takes its place, so that the
+        # latest possible one refuses no start.
         problem = from_rest(problem, LARGEST)
     elif problem.original is not None:
         raise not_reduced_error(problem)
@@ -234,7 +237,7 @@ def read_plan(
         rows = None
     else:
         rows = _start_rows(starts)
-    if rows is not None and rows.ndim == 1:
+    if rows is not None and rows.ndim == 1:  # a single start makes no dimension
         problem = problem.started(dict(zip(STARTS, rows, strict=True)))
         rows = None
     coordinates = read_coordinates(problem, over, rows)
@@ -267,11 +270,9 @@ def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) 
         coordinates |= {
             name: Coordinate(START_AXIS, _numbers(name, values)) for name, values in columns
         }
-    count = math.prod(
-        {
-            coordinate.dimension: len(coordinate.values) for coordinate in coordinates.values()
-        }.values()
-    )
+    # By dimension: the columns of a table, or of starts, share theirs.
+    sizes = {coordinate.dimension: len(coordinate.values) for coordinate in coordinates.values()}
+    count = math.prod(sizes.values())
     if count > MOST_SWEPT:
         raise ParameterError("over", f"{count} motions", f"must be at most {MOST_SWEPT}")
     _check_values(scene, coordinates)
@@ -311,9 +312,9 @@ def read_axis(name: str, values: Any) -> np.ndarray:
     if not len(numbers):
         raise ParameterError(name, values, f"must have one or more values; {AXIS_FORM}")
     ordered = np.sort(numbers)
-    same = ordered[1:][ordered[1:] == ordered[:-1]]
-    if len(same):
-        raise ParameterError(name, float(same[0]), "must be on its axis only once")
+    repeated = ordered[1:][ordered[1:] == ordered[:-1]]
+    if len(repeated):
+        raise ParameterError(name, float(repeated[0]), "must be on its axis only once")
     return numbers
 
 
@@ -361,10 +362,12 @@ def _numbers(name: str, values: Any) -> np.ndarray:
             name, values, f"must be one row of numbers; it has shape {array.shape}"
         )
     if array.dtype.kind not in "iuf":
-        return np.array([float(read_number(name, value)[0]) for value in array], dtype=float) + 0.0
-    for value in (array.min(), array.max()) if len(array) else ():  # nan is both
+        numbers = np.array([float(read_number(name, value)[0]) for value in array], dtype=float)
+        return numbers + 0.0  # turns -0.0 into 0.0
+    # The extremes are read to check them, and with them all others; nan, if any, is both.
+    for value in (array.min(), array.max()) if len(array) else ():
         read_number(name, value)
-    return array.astype(float) + 0.0  # no -0.0
+    return array.astype(float) + 0.0
 
 
 def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
@@ -415,6 +418,9 @@ def _start_rows(starts: Any) -> np.ndarray:
 def _check_values(scene: Scene, coordinates: Coordinates) -> None:
     """Check that `Parameters` accepts the extreme swept values: then it accepts all values between
     them.
+
+    The belts' speeds are checked last and together, because v1 must be less than v2: in a table
+    row by row, on axes with the largest v1 and the least v2.
     """
     swept = {
         name: coordinate.values
@@ -426,14 +432,14 @@ def _check_values(scene: Scene, coordinates: Coordinates) -> None:
         for value in (values.min(), values.max()):
             scene.parameters.replace(**{name: float(value)})
     if len(belts) == 2 and coordinates["v1"].dimension == SET_AXIS:
-        worst = int(np.argmin(belts["v2"] - belts["v1"]))
-        scene.parameters.replace(v1=float(belts["v1"][worst]), v2=float(belts["v2"][worst]))
+        closest = int(np.argmin(belts["v2"] - belts["v1"]))
+        scene.parameters.replace(v1=float(belts["v1"][closest]), v2=float(belts["v2"][closest]))
     elif belts:
-        nearest = {
+        closest_speeds = {
             name: float(values.max() if name == "v1" else values.min())
             for name, values in belts.items()
         }
-        scene.parameters.replace(**nearest)
+        scene.parameters.replace(**closest_speeds)
 
 
 def read_duration(name: str, duration: Any) -> Duration:
@@ -487,7 +493,7 @@ def _check_times(plan: SweepPlan) -> None:
         raise ParameterError("t_end", str(plan.t_end), f"must be later than t0 = {show(t0)}")
     omegas = swept.get("Omega", np.array([float(plan.scene.parameters.Omega)]))
     for period in (2 * math.pi / float(omega) for omega in (omegas.min(), omegas.max())):
-        until = plan.t_end.times(period) - (0 if plan.t_end.periods else t0)
-        if float(plan.skip.times(period)) >= float(until):
+        length = plan.t_end.times(period) - (0 if plan.t_end.periods else t0)
+        if float(plan.skip.times(period)) >= float(length):
             ends = f"must be shorter than the motion, which ends at t_end = {plan.t_end}"
             raise ParameterError("skip", str(plan.skip), ends)

@@ -69,13 +69,13 @@ class Store:
         # works in it.
         try:
             self.folder.mkdir(exist_ok=True)
-            ours = all(
+            is_ours = all(
                 name in (PLAN_FILE, LOCK_FILE)
                 or DRAFT_FORM.fullmatch(name)
                 or CHUNK_FORM.fullmatch(name)
                 for name in os.listdir(self.folder)
             )
-            if self.key() == "" or (self.key() is None and not ours):
+            if self.key() == "" or (self.key() is None and not is_ours):
                 wanted = "remove it, or name another output"
                 raise SweepError(
                     f"{self.folder} is not the folder of a sweep, or is damaged: {wanted}"
@@ -85,11 +85,11 @@ class Store:
             raise OutputError(str(self.folder), error.strerror or str(error)) from None
         if not resume:
             self._clear(whole=True)
-        there = self.key()
-        if there not in (None, key):
+        saved_key = self.key()
+        if saved_key not in (None, key):
             raise self.foreign_error()
         self._clear(whole=False)
-        if there is None:
+        if saved_key is None:
             write_text(self.folder / PLAN_FILE, json.dumps({"key": key} | content, indent=1) + "\n")
         self._key = key
 
@@ -168,9 +168,11 @@ class Store:
             size = sha256().digest_size
             columns = Columns()
             with suppress(OSError):
-                whole = path.read_bytes()
-                if whole[-size:] == self._checksum(begin, end, whole[:-size]):
-                    with np.load(BytesIO(whole[:-size]), allow_pickle=False) as archive:
+                file = path.read_bytes()
+                content = file[:-size]
+                checksum = file[-size:]
+                if checksum == self._checksum(begin, end, content):
+                    with np.load(BytesIO(content), allow_pickle=False) as archive:
                         columns = dict(archive)
             if columns.keys() == set(names) and all(
                 len(column) == end - begin for column in columns.values()
@@ -192,11 +194,11 @@ class Store:
             self._clear(whole=True)
             lock = self.folder / LOCK_FILE
             try:
-                lock.unlink()  # while it is ours
-            except PermissionError:  # some systems keep what is open
+                lock.unlink()  # while no other program can take it
+            except PermissionError:  # some systems do not remove a file that is open
                 self.close()
                 lock.unlink()
-            self.folder.rmdir()  # unless it has something else
+            self.folder.rmdir()  # fails, as it should, if the folder has other files
 
 
 def remove(path: Path) -> None:
@@ -210,9 +212,9 @@ def remove(path: Path) -> None:
 def missing(ranges: list[tuple[int, int]], count: int) -> list[tuple[int, int]]:
     """Return the ranges of the cells from 0 to `count` not covered by `ranges`, which may overlap."""
     gaps = []
-    here = 0
-    for begin, end in sorted([*ranges, (count, count)]):
-        if begin > here:
-            gaps.append((here, min(begin, count)))
-        here = max(here, end)
+    covered = 0  # all cells below are in a range or in a gap
+    for begin, end in sorted([*ranges, (count, count)]):  # the empty range ends the last gap
+        if begin > covered:
+            gaps.append((covered, min(begin, count)))
+        covered = max(covered, end)
     return gaps

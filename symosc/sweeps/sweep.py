@@ -55,7 +55,7 @@ FIRST_CHUNK = 128
 MOST_CHUNK = 1 << 18
 MOST_GROWTH = 16.0
 CONNECT_SECONDS = 10
-# Chunks in flight for each processor of an executor whose size is not known.
+# Chunks under way for each processor of an executor, if the user names no number.
 AHEAD = 2
 
 Range = tuple[int, int]
@@ -136,24 +136,24 @@ def sweep(
         target = None
     else:
         target = output.output_path(path)
-    who, under_way = read_executor(executor, workers)
+    pool, under_way = read_executor(executor, workers)
     if target is not None and _is_finished(plan, target, resume):
         Store(target).remove(plan.key)  # stopped before it could do that itself
         return output.dataset_of(plan, output.read_columns(target))
     with closing(Store(target)) if target is not None else nullcontext() as store:
         columns = dict[str, np.ndarray]()
-        there = list[Range]()
+        kept_ranges = list[Range]()
         total = len(plan)
         if store is not None:
             store.open(plan.key, plan.content, resume)
             for begin, end, chunk in store.chunks(plan.column_names):
                 _fill(columns, total, begin, end, chunk)
-                there.append((begin, end))
-        gaps = missing(there, total)
+                kept_ranges.append((begin, end))
+        gaps = missing(kept_ranges, total)
         done = total - sum(end - begin for begin, end in gaps)
         with reporting(progress, done, total) as report:
             try:
-                for begin, end, chunk in _carried_out(plan, gaps, who, under_way):
+                for begin, end, chunk in _carried_out(plan, gaps, pool, under_way):
                     if store is not None:
                         store.write(begin, end, chunk)  # it is on disk before it counts
                     _fill(columns, total, begin, end, chunk)
@@ -188,12 +188,12 @@ def _fill(columns: Columns, count: int, begin: int, end: int, chunk: Columns) ->
 
 def _is_finished(plan: SweepPlan, target: Path, resume: bool) -> bool:
     """Return whether the output file exists and holds the result of this plan."""
-    there = output.plan_of(target, to_replace=not resume)
-    if resume and there not in (None, plan.key):
+    written_plan = output.plan_of(target, to_replace=not resume)
+    if resume and written_plan not in (None, plan.key):
         raise SweepError(
             f"{target} is the output of another sweep: name another file, or start anew"
         )
-    return resume and there is not None
+    return resume and written_plan is not None
 
 
 class Here(Executor):
@@ -225,16 +225,16 @@ def read_executor(executor: Any, workers: Any) -> tuple[Executor, int]:
         count = whole_number("workers", workers, 1)
     if executor is None:
         return Here(count), 1
-    if hasattr(executor, "get_executor") and hasattr(executor, "ncores"):
-        return executor.get_executor(pure=False), count or AHEAD * max(
-            sum(executor.ncores().values()), 1
-        )
+    if hasattr(executor, "get_executor") and hasattr(executor, "ncores"):  # a Client of dask
+        if count is None:
+            count = AHEAD * max(sum(executor.ncores().values()), 1)
+        return executor.get_executor(pure=False), count
     if not isinstance(executor, Executor):
         allowed = "give an executor of concurrent.futures, or a Client of dask.distributed"
         raise ParameterError("executor", type(executor).__name__, allowed)
-    return executor, count or AHEAD * (
-        getattr(executor, "_max_workers", None) or os.cpu_count() or 1
-    )
+    if count is None:
+        count = AHEAD * (getattr(executor, "_max_workers", None) or os.cpu_count() or 1)
+    return executor, count
 
 
 def dask_client(address: str) -> Any:
@@ -244,7 +244,9 @@ def dask_client(address: str) -> Any:
     Client = optional("distributed", "a dask cluster", "sweep").Client
     if address.endswith(".json"):
         if not Path(address).is_file():  # dask would wait for it
-            raise ParameterError("executor", address, "scheduler file not found")
+            raise ParameterError(
+                "executor", address, "must be the name of an existing scheduler file"
+            )
         return Client(scheduler_file=address, timeout=CONNECT_SECONDS)
     try:
         return Client(address, timeout=CONNECT_SECONDS)
@@ -261,7 +263,7 @@ def _carried_out(
     """
     # At most `under_way` chunks are submitted and not finished. SweepError if a worker fails; what
     # was yielded stands.
-    todo = gaps[::-1]
+    todo = gaps[::-1]  # `_next_chunk` takes from the end
     size = FIRST_CHUNK
     pending = dict[Future[tuple[Columns, float]], Range]()
     try:
@@ -274,14 +276,14 @@ def _carried_out(
                     )
                 pending[future] = begin, end
             done, _ = wait(pending, return_when=FIRST_COMPLETED)
+            # Failed chunks come last: the others are kept before the error is raised.
             for future in sorted(
                 done, key=lambda task: task.cancelled() or task.exception() is not None
             ):
-                begin, end = pending.pop(
-                    future
-                )  # those that are whole are kept before an error is raised
+                begin, end = pending.pop(future)
                 with _worker_errors():
                     columns, seconds = future.result()
+                # The next chunk gets as many cells as take CHUNK_SECONDS at the speed of this one.
                 growth = min(max(CHUNK_SECONDS / max(seconds, 1e-6), 1 / MOST_GROWTH), MOST_GROWTH)
                 size = int(min(max((end - begin) * growth, 1), MOST_CHUNK))
                 yield begin, end, columns
@@ -297,7 +299,7 @@ def _next_chunk(todo: list[Range], size: int, under_way: int) -> Range:
     left = sum(end - begin for begin, end in todo)
     begin, end = todo.pop()
     middle = min(end, begin + max(min(size, -(-left // under_way)), 1))
-    if end - middle < (middle - begin) // 4:  # no crumbs
+    if end - middle < (middle - begin) // 4:  # a rest that small is not worth its own chunk
         return begin, end
     if middle < end:
         todo.append((middle, end))

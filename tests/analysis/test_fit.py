@@ -391,6 +391,11 @@ def test_columns_are_known_as_in_checks(tmp_path: Path) -> None:
     refused(lambda: fit("fig5", tmp_path / "no.csv", "mu1"), "file")
 
 
+def test_columns_of_different_lengths_are_named_with_their_lengths() -> None:
+    message = refused(lambda: fit("fig5", {"t": [1.0, 2.0], "x": [1.0]}, "mu1"), "data")
+    assert "t of length 2, x of length 1" in message
+
+
 def test_the_command(tmp_path: Path) -> None:
     file = tmp_path / "stops.csv"
     run = CliRunner().invoke

@@ -94,7 +94,7 @@ BAD = {
     "grazing": "missing: m, c,",
     "grazing fig9 --map P1": "sticks on belt 1; grazing is defined for P2, P3, P5, P6",
     "grazing --set w=1": "unknown parameter",
-    "grazing fig9 --check 1 --set k=0 --plot w.png": "k = '0'",
+    "grazing fig9 --check 1 --set k=0 --plot w.png": "k = 0: ",
     "grazing fig9 --latex --json": "not both",
     "grazing fig9 --plot - --latex": "standard output",
     "grazing fig9 --against Omega --plot w.png": "--against needs --plot FIGURE and one --map",

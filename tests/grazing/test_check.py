@@ -11,7 +11,7 @@ import sympy
 from oracle import flow_oracle
 from samples import sample_of
 
-from symosc import Parameters, load_scene, scene_names, simulate
+from symosc import ParameterError, Parameters, load_scene, scene_names, simulate
 from symosc.friction import MAPS as MAPS_BY_NAME
 from symosc.grazing import check
 from symosc.grazing.check import DOP853, EXACT_FLOW, G_SIGNS, NO, YES, Ways, check_grazing
@@ -187,6 +187,15 @@ def test_a_wrong_row_of_the_table_is_found(
         assert any("definition" in item["way"] for item in report.mismatches)
         if what == "side":  # then each phase of an arc is wrong
             assert any(item["way"] == EXACT_FLOW for item in report.mismatches)
+
+
+@pytest.mark.parametrize(("changes", "name"), [({"k": 0}, "k"), ({"B0": 0, "v1": 0}, "B0")])
+def test_without_isolated_contacts_the_number_that_is_0_is_named(
+    changes: dict[str, int], name: str
+) -> None:
+    with pytest.raises(ParameterError, match=rf"^{name} = 0: must ") as caught:
+        check_grazing(BASE.replace(**changes), "P2")
+    assert caught.value.value == 0
 
 
 @pytest.mark.parametrize("mapping", MAPS)

@@ -9,13 +9,14 @@ import random
 import re
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import mpmath
 import pytest
 from bad_values import refused
 from effort import at_most
 
-from symosc import Scene, SymoscError, load_scene, scene_names, simulate
+from symosc import ParameterError, Scene, SymoscError, load_scene, scene_names, simulate
 from symosc.base.exact import read_exact
 from symosc.base.quantities import (
     KNOWN_DIGITS,
@@ -76,6 +77,15 @@ def test_hostile_files_are_refused_in_a_line_before_they_cost_much(
         load_scene(file)
     assert message in str(caught.value)
     assert len(str(caught.value)) < 400 + len(str(file))
+
+
+@pytest.mark.parametrize(
+    ("name", "allowed"),
+    [("", "text that is not empty"), (" ", "text that is not empty"), (3, "text")],
+)
+def test_a_scene_has_a_name(name: Any, allowed: str) -> None:
+    with pytest.raises(ParameterError, match=rf"^name = .*: must be {allowed}$"):
+        Scene(name, load_scene("fig5").parameters, 0, 0, 0, 5)
 
 
 def test_expressions_are_noted_and_their_starts_have_an_error(tmp_path: Path) -> None:

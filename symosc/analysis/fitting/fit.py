@@ -185,16 +185,16 @@ def _problem(
     measured: Measured,
     sigmas: np.ndarray,
 ) -> FitProblem:
-    """Return what is fitted to what."""
+    """Return the problem of fitting the free numbers `names` of a motion to data."""
     last = float(measured.t.max())
     changes: dict[str, Any] = dict.fromkeys((*STARTS, "t_end"))
     if isinstance(scene, Parameters):
         changes["t_end"] = last + 1.0
     start = read_start(scene, changes, None)
-    after = 0.0
+    extra = 0.0
     if measured.kinds is not None:
-        after = BEYOND * (last - float(start.t0))
-    return FitProblem(start, names, measured, sigmas, last + after)
+        extra = BEYOND * (last - float(start.t0))
+    return FitProblem(start, names, measured, sigmas, last + extra)
 
 
 def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.ndarray:
@@ -202,8 +202,8 @@ def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.nd
     scene = problem.scene
     values = []
     for name in problem.names:
-        own = getattr(scene.parameters if name in PARAMETER_NAMES else scene, name)
-        values.append(float(read_number(name, start.get(name, own))[0]))
+        scene_value = getattr(scene.parameters if name in PARAMETER_NAMES else scene, name)
+        values.append(float(read_number(name, start.get(name, scene_value))[0]))
     return np.array(values)
 
 
@@ -222,11 +222,14 @@ def _fit_of(search: Search, robust: bool) -> Fit:
         verdict = strict(chosen.verdict)
         kept = np.ones(len(chosen.at.residuals), dtype=bool)
         losses = 1.0
+    # The size of each number, by which its changes are compared; 1 for a number that begins at 0.
     steps = np.array([abs(value) or 1.0 for value in search.first.tolist()])
     spread = spread_of(problem, chosen.at, steps, kept, search.places, losses)
     errors = spread.errors
+    # Without sigma the residuals tell the errors, and as many data as numbers leave no residuals.
     if not measured.weighted and len(chosen.at.residuals) <= len(names):
         errors = np.full(len(names), np.inf)
+    # The minimum that outliers hardly pull tells them best, even if it is not the one returned.
     source = search.tolerant or chosen
     outliers: tuple[Outlier, ...] = ()
     if source.verdict.is_described:
@@ -295,5 +298,6 @@ def _sigma(sigma: Any) -> np.ndarray:
         pair = [sigma] * 2
     deviations = [float(read_exact("sigma", number)) for number in pair]
     if len(deviations) != 2 or min(deviations) <= 0:
-        raise ParameterError("sigma", sigma, "must be a number > 0, or two: of x and v")
+        allowed = "must be a number > 0, or two such numbers, for x and for v"
+        raise ParameterError("sigma", sigma, allowed)
     return np.array(deviations)

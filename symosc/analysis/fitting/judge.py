@@ -129,10 +129,10 @@ def _outlier(measured: Measured, off: np.ndarray, row: int) -> Outlier:
     """Return a residual as an `Outlier`."""
     column, number = divmod(row, len(measured.t))
     if measured.kinds is None:
-        what = measured.columns[column]
+        name = measured.columns[column]
     else:
-        what = str(measured.kinds[number])
-    return Outlier(number, what, float(measured.t[number]), float(off[row]))
+        name = str(measured.kinds[number])
+    return Outlier(number, name, float(measured.t[number]), float(off[row]))
 
 
 def _with_sigma(
@@ -192,11 +192,11 @@ def _without_sigma(problem: FitProblem, at: Evaluation, places: np.ndarray) -> F
     if not _are_few(kept):
         text = "the residuals of many data are far larger than those of half of them"
         return FitVerdict(False, text, kept, scales)
-    part = 0.0
+    relative = 0.0
     if problem.measured.states is None:
-        part = float(np.sqrt(np.mean(off[kept] ** 2))) / _time_between(at)
-    if part > UNRECOGNISED:
-        off_by = f"events are off by {part:.1%} of the time between events of a kind"
+        relative = float(np.sqrt(np.mean(off[kept] ** 2))) / _time_between(at)
+    if relative > UNRECOGNISED:
+        off_by = f"events are off by {relative:.1%} of the time between events of a kind"
         text = f"{off_by}, and no sigma says so"
         return FitVerdict(False, text, kept, scales)
     text = _structure(problem, off, kept & telling)

@@ -82,10 +82,10 @@ def read_measured(data: Any, columns: Mapping[str, str | None] | None, scene: Pr
         raise ParameterError(
             "columns", kind, "must be text: the name of the column that holds kind"
         )
-    rest = columns
+    sample_columns = columns
     if isinstance(columns, Mapping):
-        rest = {name: column for name, column in columns.items() if name != KIND}
-    asked = read_column_names(rest)
+        sample_columns = {name: column for name, column in columns.items() if name != KIND}
+    asked = read_column_names(sample_columns)
     where = "data"
     if isinstance(data, str | Path):
         where = "standard input" if data == "-" else str(data)
@@ -135,23 +135,23 @@ def _table(data: Any) -> dict[str, Any] | None:
 
 def _choose(names: Iterable[str], kind: str | None, asked: Asked, where: str) -> dict[str, str]:
     """Return which of the column `names` are t and kind, or else t, x and perhaps v."""
-    there = list(map(str, names))
+    known = list(map(str, names))
     if kind is None:
-        kinds = [name for name in there if name == KIND]
-        kinds = kinds or [name for name in there if plain(name) in KIND_COLUMNS]
+        kinds = [name for name in known if name == KIND]
+        kinds = kinds or [name for name in known if plain(name) in KIND_COLUMNS]
     else:
-        kinds = [name for name in there if name == kind]
+        kinds = [name for name in known if name == kind]
     if kind is not None and not kinds:
         raise ParameterError(
-            "column", kind, f"not found in {where}; its columns are {names_text(there)}"
+            "column", kind, f"not found in {where}; its columns are {names_text(known)}"
         )
     if not kinds:
-        return _sample_names(there, asked, where)
-    times = [name for name in there if name == asked.get("t", "t")]
+        return _sample_names(known, asked, where)
+    times = [name for name in known if name == asked.get("t", "t")]
     if "t" not in asked:
-        times = times or [name for name in there if plain(name) in USUAL_NAMES["t"]]
+        times = times or [name for name in known if plain(name) in USUAL_NAMES["t"]]
     if len(times) != 1:
-        raise ParameterError("data", f"columns {names_text(there)}", ALLOWED)
+        raise ParameterError("data", f"columns {names_text(known)}", ALLOWED)
     return {"t": times[0], KIND: kinds[0]}
 
 
@@ -209,8 +209,8 @@ def _of_solution(data: Any, asked: Asked, scene: Problem, where: str) -> Measure
     except ParameterError as error:
         raise ParameterError("data", shown(data), f"{ALLOWED} ({error})") from None
     if len(solutions) > 1:
-        what = "are several solutions; a fit takes one"
-        raise ParameterError("data", f"{len(solutions)} solutions", what)
+        allowed = "are several solutions; a fit takes one"
+        raise ParameterError("data", f"{len(solutions)} solutions", allowed)
     samples = solutions[0]
     states = [samples.x] if samples.lacks_v else [samples.x, samples.v]
     return Measured(samples.t, None, np.array(states))
@@ -222,7 +222,8 @@ def _of_columns(columns: Mapping[str, Any], lines: list[str] | None = None) -> M
     if not cells["t"]:
         raise ParameterError("data", "no rows", ALLOWED)
     if len({len(column) for column in cells.values()}) > 1:
-        raise ParameterError("data", len(cells["t"]), "must have columns of one length")
+        lengths = ", ".join(f"{name} of length {len(column)}" for name, column in cells.items())
+        raise ParameterError("data", lengths, "must have columns of one length")
     place = partial(_place, lines)
 
     def numbers(name: str) -> list[float]:

@@ -81,15 +81,15 @@ class FitProblem:
         measured = self.measured
         rows = measured.t <= time
         kinds = measured.kinds
-        after = 0.0
+        extra = 0.0
         if kinds is not None:
-            after = 2.0 * spacing(measured.t, kinds)
+            extra = 2.0 * spacing(measured.t, kinds)
             kinds = kinds[rows]
         states = measured.states
         if states is not None:
             states = states[:, rows]
         early = replace(measured, t=measured.t[rows], kinds=kinds, states=states)
-        return replace(self, measured=early, end=min(self.end, time + after), _last=None)
+        return replace(self, measured=early, end=min(self.end, time + extra), _last=None)
 
     def thinned(self, most: int) -> FitProblem:
         """Return the problem with at most about `most` samples."""
@@ -107,6 +107,7 @@ class FitProblem:
 
     def evaluate(self, values: np.ndarray) -> Evaluation:
         """Return residuals, derivatives and motion; ParameterError for values of no motion."""
+        # The search asks for residuals and for slopes at the same values, one after the other.
         key = tuple(values.tolist())
         if self._last is None or self._last[0] != key:
             self.effort.motions += 1
@@ -118,6 +119,7 @@ class FitProblem:
 
     def _motion(self, values: np.ndarray) -> tuple[Parameters, dict[str, Any]]:
         """Return the parameters and the start with these values, as `simulate` takes them."""
+        # As texts: `replace` and `simulate` read them exactly.
         new = dict(zip(self.names, map(repr, values.tolist()), strict=True))
         changes = {name: new[name] for name in self.names if name in PARAMETER_NAMES}
         start = {name: new.get(name, getattr(self.scene, name)) for name in STARTS}
@@ -164,7 +166,8 @@ class FitProblem:
             events = np.flatnonzero(kinds == kind)
             if not len(events):
                 continue
-            after = np.clip(np.searchsorted(times[events], measured.t[rows]), 1, len(events) - 1)
+            # The nearest event is the one before a measured time or the one after it.
+            after = np.maximum(np.searchsorted(times[events], measured.t[rows]), 1)
             after = np.minimum(after, len(events) - 1)
             before = np.maximum(after - 1, 0)
             gaps = times[events[[before, after]]] - measured.t[rows]

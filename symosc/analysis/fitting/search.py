@@ -50,7 +50,7 @@ def minimum(
     from scipy.optimize import least_squares
 
     begin = np.clip(first, problem.low * (1 + 1e-9), np.inf)
-    problem.evaluate(begin)
+    problem.evaluate(begin)  # raises the error of first numbers that no motion has
 
     def residuals(values: np.ndarray) -> np.ndarray:
         try:
@@ -83,8 +83,9 @@ def starts(first: np.ndarray) -> np.ndarray:
     from scipy.stats import qmc
 
     count = STARTS_TRIED[min(len(first), len(STARTS_TRIED)) - 1]
-    points = qmc.Halton(len(first), scramble=False).random(count + 1)[1:]
+    points = qmc.Halton(len(first), scramble=False).random(count + 1)[1:]  # the first one is 0
     ratios = REACH ** (2.0 * points - 1.0)
+    # A number that begins at 0 has no size to be multiplied: it is moved to both sides.
     spread = np.where(first == 0.0, np.log(ratios), first * ratios)
     return np.concatenate([[first], spread])
 
@@ -96,7 +97,7 @@ def candidates(problem: FitProblem, first: np.ndarray) -> Iterator[np.ndarray]:
     tried = starts(first)
     costs = np.log1p((np.array([rough.distances(values) for values in tried]) / large) ** 2)
     times = np.sort(rough.measured.t)
-    least = 3 * len(first) + 3
+    least = 3 * len(first) + 3  # times that a first part has, if there are so many
     done = set()
     for part in PARTS:
         count = min(len(times), max(least, ceil(part * len(times))))
@@ -112,8 +113,8 @@ def _followed(rough: FitProblem, values: np.ndarray, count: int) -> np.ndarray:
     """Return numbers fitted to the first `count` times, then to twice as many, up to all."""
     times = np.sort(rough.measured.t)
     while True:
-        part = rough if count == len(times) else rough.until(float(times[count - 1]))
-        values = minimum(part, values, LARGE * part.sizes, "cauchy", 20, precise=False)[0]
+        beginning = rough if count == len(times) else rough.until(float(times[count - 1]))
+        values = minimum(beginning, values, LARGE * beginning.sizes, "cauchy", 20, precise=False)[0]
         if count == len(times):
             return values
         count = min(len(times), 2 * count)

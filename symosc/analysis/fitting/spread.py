@@ -87,6 +87,8 @@ def spread_of(
     variances, widening = _variances(problem, at, slopes, root, kept)
     weighted = problem.measured.weighted
     squares = np.ones(len(slopes)) if weighted else variances
+    # The rounding that repeats is no independent error: its u^2/12 is taken out of the variances,
+    # and what it does to the fit is found by rounding neighbours of the motion.
     repeating = _repeating(places, variances)
     effects = squares - repeating * places**2 / 12.0
     spreads = (slopes @ root) * np.sqrt(np.maximum(effects, 0.0))[:, None]
@@ -95,8 +97,8 @@ def spread_of(
         inner += _rounded_spread(problem, at, slopes, root, places, repeating)
     covariance = root @ inner @ root.T * losses * widening * np.outer(steps, steps)
     unknown, undetermined = _undetermined(names, rows[free])
-    marked = [name in unknown for name in names]
-    errors = np.where(marked, np.inf, np.sqrt(np.diag(covariance)))
+    is_unknown = [name in unknown for name in names]
+    errors = np.where(is_unknown, np.inf, np.sqrt(np.diag(covariance)))
     return Spread(errors, covariance, ", ".join(unknown), undetermined)
 
 
@@ -109,17 +111,18 @@ def _variances(
     """
     from scipy.stats import norm, t
 
-    telling = informative(slopes, np.ones(slopes.shape[1])) & kept
+    is_telling = informative(slopes, np.ones(slopes.shape[1])) & kept
     variances = np.ones(len(slopes))
     freedom = 0.0
     floors = ACCURACY * np.maximum(1.0, np.abs(_data(problem))) / problem.weights
-    hat = np.sum((slopes @ root) ** 2, axis=1)
+    # The diagonal of the hat matrix: how much of a degree of freedom each row takes for the fit.
+    leverages = np.sum((slopes @ root) ** 2, axis=1)
     for rows in column_rows(problem):
-        chosen = telling[rows] if telling[rows].any() else kept[rows]
-        left = float(chosen.sum() - hat[rows][chosen].sum())
+        chosen = is_telling[rows] if is_telling[rows].any() else kept[rows]
+        left = float(chosen.sum() - leverages[rows][chosen].sum())
         off = at.residuals[rows][chosen]
         variances[rows] = max(float(off @ off) / max(left, 1.0), float(floors[rows].max()) ** 2)
-        freedom += left if telling[rows].any() else 0.0
+        freedom += left if is_telling[rows].any() else 0.0
     if problem.measured.weighted:
         return variances, 1.0
     one_sigma = norm.cdf(1.0)
@@ -140,8 +143,8 @@ def _repeating(places: np.ndarray, variances: np.ndarray) -> np.ndarray:
     """
     squares = np.where(places > 0.0, places, 1.0) ** 2
     noise = np.maximum(variances - squares / 12.0, 0.0)
-    part = np.exp(-np.minimum((2.0 * np.pi) ** 2 * noise / squares, 700.0))
-    return np.where((places > 0.0) & (part > NO_REPEATS), part, 0.0)
+    share = np.exp(-np.minimum((2.0 * np.pi) ** 2 * noise / squares, 700.0))
+    return np.where((places > 0.0) & (share > NO_REPEATS), share, 0.0)
 
 
 def _rounded_spread(

@@ -126,10 +126,10 @@ def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
         for name, _ in texts
         if name not in given
     ]
-    rest = state_of(shipped_scenes().get(given.get("scene", ""), default))
+    defaults = state_of(shipped_scenes().get(given.get("scene", ""), default))
     if not set(STARTS).isdisjoint(given):
-        rest.pop("start_error", None)  # it is not that of another start
-    return rest | given, notes
+        defaults.pop("start_error", None)  # it is not that of another start
+    return defaults | given, notes
 
 
 def link_of(state: dict[str, str]) -> str:
@@ -153,14 +153,14 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
             numbers[name] = getattr(sound.parameters, name, Fraction(1))
     if not 0 < numbers["periods"] <= MOST_SHOWN_PERIODS:
         errors["periods"] = f"must be more than 0 and at most {MOST_SHOWN_PERIODS}"
+    # A sound value takes the place of each wrong one, so that all wrong ones are named.
     parameters = None
-    while (
-        parameters is None
-    ):  # a sound value in place of each wrong one, so that all wrong ones are named
+    while parameters is None:
         try:
             parameters = Parameters(**{name: numbers[name] for name in PARAMETER_NAMES})
         except ParameterError as error:
             errors.setdefault(error.name, error.allowed)
+            # An error of v1 may be that it is not less than v2.
             for name in ("v1", "v2") if error.name == "v1" else (error.name,):
                 numbers[name] = getattr(sound.parameters, name)
     if errors:
@@ -193,15 +193,10 @@ def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
     shown = f"{float(periods):.{PERIODS_DIGITS}g}"
     period = Fraction(tau) / Omega
     exact = t0 + Fraction(shown) * period
-    first = floor(log10(max(float(shown), 1e-300)))
-    allowed = (
-        period * Fraction(10) ** (first + 1 - PERIODS_DIGITS) / 2
-    )  # half a unit of the last digit that is shown
-    return next(
-        end
-        for end in (round(exact, decimals) for decimals in count())
-        if abs(end - exact) < allowed
-    )
+    exponent = floor(log10(max(float(shown), 1e-300)))  # of the first digit
+    half_unit = period * Fraction(10) ** (exponent + 1 - PERIODS_DIGITS) / 2
+    candidates = (round(exact, decimals) for decimals in count())
+    return next(end for end in candidates if abs(end - exact) < half_unit)
 
 
 # --- the answer ---
@@ -215,6 +210,11 @@ SAMPLING = Sampling(per_period=60, least=12, most=1000)
 #: closer.
 DRAWN_DIGITS = 7
 AXIS_MARGIN = 0.06
+#: Sizes of marks, in those of a figure on paper: in plots, and on the dial.
+MARK_SCALE = 2
+DIAL_MARK_SCALE = 1.7
+#: Belts nearer than this part of the axis share one label: two would lie over each other.
+LEAST_BELT_DISTANCE = 0.13
 
 #: The dial: the radius of a belt's ring, and how far inside of it its events are marked.
 RINGS = {1: 0.62, 2: 1.0}
@@ -253,7 +253,7 @@ def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
     notes = []
     first = trajectory.segments[0].mode
     if scene.start_error is not None and any(scene.start_error):
-        known = ", ".join(f"±{float(each):.3g}" for each in scene.start_error)
+        known = ", ".join(f"±{float(error):.3g}" for error in scene.start_error)
         notes.append(
             f"t₀, x₀, v₀ of this scene are known to {known}; a contact within their reach is a "
             "graze"
@@ -272,13 +272,13 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
     view = view_of(trajectory, None, SAMPLING)
     F1 = np.asarray(trajectory.force(1, view.t))
     begin = trajectory.t_start
-    # F^(1) - F^(domain) is the same in every state.
-    steps = {
+    # F^(1) - F^(domain) is the same in every state, so that a single force is computed.
+    differences = {
         f"F{domain}": float(trajectory.force(1, begin) - trajectory.force(domain, begin))
         for domain in (2, 3)
     }
     curves = {"t": view.t, "x": view.x, "v": view.v, "F1": F1} | {
-        name: F1 - step for name, step in steps.items()
+        name: F1 - difference for name, difference in differences.items()
     }
     ranges = _ranges(view, curves)
     windows = [grazing_window(scene.parameters, mapping) for mapping in PLACES]
@@ -287,9 +287,9 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
     else:
         hint = ""
     sticks = [
-        (each.since, each.until, SHADES[each.belt])
-        for each in view.contacts
-        if each.until > each.since
+        (contact.since, contact.until, SHADES[contact.belt])
+        for contact in view.contacts
+        if contact.until > contact.since  # a graze has no duration
     ]
     marks = []
     for mark in view.marks:
@@ -298,7 +298,13 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
         else:
             belt = ""
         marks.append(
-            (mark.t, *trajectory(mark.t).tolist(), mark.color, belt, *_shape(mark.label, 2))
+            (
+                mark.t,
+                *trajectory(mark.t).tolist(),
+                mark.color,
+                belt,
+                *_shape(mark.label, MARK_SCALE),
+            )
         )
     contacts = []
     for event in trajectory.events:
@@ -306,11 +312,18 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
         theta = event.theta
         (label, color) = EVENT_MARKS[event.kind]
         contacts.append(
-            (radius * cos(theta), radius * sin(theta), theta, color, *_shape(label, 1.7))
+            (
+                radius * cos(theta),
+                radius * sin(theta),
+                theta,
+                color,
+                *_shape(label, DIAL_MARK_SCALE),
+            )
         )
     period = tau / float(scene.parameters.Omega)
+    # The Poincaré section. A whole period may lie outside the motion by rounding.
     whole = np.arange(ceil(view.t[0] / period), floor(view.t[-1] / period) + 1) * period
-    x, v = trajectory(np.clip(whole, view.t[0], view.t[-1]))  # the Poincaré section
+    x, v = trajectory(np.clip(whole, view.t[0], view.t[-1]))
     sources = {
         "curves": {name: _rounded(values) for name, values in curves.items()},
         "marks": _columns("t x v color belt marker size label", marks),
@@ -346,7 +359,7 @@ def settled(link: str, default: Scene) -> Record:
             orbit = find_orbit(scene.parameters)
             view = view_of(simulate_orbit(orbit, 1), None, SAMPLING)
             curve = {"x": _rounded(view.x), "v": _rounded(view.v)}
-            sizes = ", ".join(f"{abs(each):.4g}" for each in orbit.multipliers)
+            sizes = ", ".join(f"{abs(multiplier):.4g}" for multiplier in orbit.multipliers)
             text = (
                 f"{orbit.word}, period {float(orbit.period):.6g} s, |multipliers| {sizes}: "
                 f"{orbit.message}"
@@ -412,12 +425,13 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
     speeds = [float(view.trajectory.parameters.belt(belt)) for belt in (1, 2)]
     low, high = v_range
     drawn = [low <= speed <= high for speed in speeds]
-    places = [min(max(speed, low), high) for speed in speeds]
+    heights = [min(max(speed, low), high) for speed in speeds]
     arrows = ["↓ " * (speed < low) + "↑ " * (speed > high) for speed in speeds]
     texts = [f"{arrow}belt {belt}" for belt, arrow in enumerate(arrows, 1)]
-    names = list(zip(places, texts, strict=True))
-    if places[1] - places[0] < 0.13 * (high - low):  # they would lie over each other
-        names = [(places[drawn.index(True) if any(drawn) else 0], f"{texts[1]}\n{texts[0]}")]
+    names = list(zip(heights, texts, strict=True))
+    if heights[1] - heights[0] < LEAST_BELT_DISTANCE * (high - low):
+        height = heights[drawn.index(True)] if any(drawn) else heights[0]
+        names = [(height, f"{texts[1]}\n{texts[0]}")]
     return {"speeds": speeds, "drawn": drawn, "names": names}
 
 
@@ -451,7 +465,7 @@ def _arcs(windows: Sequence[GrazingWindow]) -> Iterator[tuple[Any, ...]]:
         for low, high in pieces:
             if high - low < 2 * pi:
                 middle = (low + high) / 2
-            else:
+            else:  # the label of a full circle stands at its top
                 middle = pi / 2
             yield (
                 radius,

@@ -80,9 +80,8 @@ class _Handler(BaseHTTPRequestHandler):
     server: ExplorerServer
     protocol_version = "HTTP/1.1"
     timeout = 30.0  # seconds for which a connection may say nothing
-    disable_nagle_algorithm = (
-        True  # else the kernel holds the text back until the headers are acknowledged
-    )
+    # Else the kernel holds the text back until the headers are acknowledged.
+    disable_nagle_algorithm = True
 
     def do_GET(self) -> None:
         """Send the page, the data for a link, a scene file, or a static file."""
@@ -93,7 +92,7 @@ class _Handler(BaseHTTPRequestHandler):
         elif url.path == "/":
             self._send(page(answers.read_link(url.query, scene)[0]), "text/html")
         elif url.path == "/answer":
-            with self.server.busy:
+            with self.server.busy:  # one motion at a time
                 self._send_json(answers.answer(url.query, scene))
         elif url.path == "/settled":
             self._send_json(answers.settled(url.query, scene))
@@ -165,8 +164,8 @@ class _Handler(BaseHTTPRequestHandler):
         """Send the scene file of a link."""
         scene, errors = answers.scene_of(answers.read_link(query, self.server.scene)[0])
         if scene is None:
-            said = "; ".join(f"{name} {said}" for name, said in errors.items())
-            self.send_error(HTTPStatus.BAD_REQUEST, explain=said)
+            explanation = "; ".join(f"{name} {allowed}" for name, allowed in errors.items())
+            self.send_error(HTTPStatus.BAD_REQUEST, explain=explanation)
             return
         self._send(
             as_toml(scene) + "\n",
@@ -182,6 +181,7 @@ class _Handler(BaseHTTPRequestHandler):
         if not (length.isascii() and length.isdecimal()):
             self.send_error(HTTPStatus.BAD_REQUEST, explain="Content-Length is no number")
             return
+        # By its length first: Python refuses to convert thousands of digits.
         if len(length) > len(str(MOST_BYTES)) or int(length) > MOST_BYTES:
             self.close_connection = True
             self._send_json({"error": f"the file has more than {MOST_BYTES} bytes: it is no scene"})
@@ -249,6 +249,7 @@ MARKS: Record = {
 
 def pictures() -> dict[str, Any]:
     """Return the plots by name: plane, dial, displacement, velocity, forces."""
+    # The answer for any scene has the names of all columns; the plots begin empty.
     columns = answers.answer("", answers.shipped_scenes()["fig5"])["sources"]
     columns |= {"settled": ["x", "v"], "now": ["t", "x", "v"]}
     sources = {
@@ -319,8 +320,10 @@ def _marks(plot: Any, sources: Sources, x: str, y: str) -> None:
     browser's data `sources`.
     """
     marks = plot.scatter(x, y, source=sources["marks"], level="overlay", **MARKS)
-    place = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
-    plot.add_tools(models.HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *place]))
+    coordinates = [("t", "@t{0.000000}"), ("x", "@x{0.000000}"), ("v", "@v{0.000000}")]
+    plot.add_tools(
+        models.HoverTool(renderers=[marks], tooltips=[("", "@label @belt"), *coordinates])
+    )
     plot.scatter(
         x,
         y,
