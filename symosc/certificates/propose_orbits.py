@@ -423,6 +423,7 @@ class BranchProposal:
             # Few digits, so that the values stay short.
             end = min(high, at + Fraction(f"{float(width):.1e}"))
             reason = ""
+            family = None
             try:
                 family = self.family(at, end, near)
                 reason = self._refusal(family, {}, stable)
@@ -434,9 +435,10 @@ class BranchProposal:
                 if width >= LEAST_WIDTH * whole:
                     continue
                 # Only the stability is not proven here: then it is claimed nowhere.
-                if stable and not self._refusal(family, {}, None):
+                if stable and family is not None and not self._refusal(family, {}, None):
                     return self._cover(low, high, None, progress)
                 raise NothingProposed(f"{reason}{self._near(families)}")
+            assert family is not None
             families.append(family)
             if len(families) > MOST_BOXES:
                 what = f"what comes after {MOST_BOXES} intervals"

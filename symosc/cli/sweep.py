@@ -71,9 +71,8 @@ def sweep(
 
     \b
     Examples:
-      symosc sweep fig9 --over Omega=1:6:60 --over FN=1:20:40 --t-end 60T --skip 50T -o map.nc
-      --plot map.png symosc sweep fig9 --over Omega=1:6:500 --record section:32 --t-end 100T --plot
-      bifurcation.png
+      symosc sweep fig9 --over Omega=1:6:60 --over FN=1:20:40 --t-end 60T -o map.nc --plot map.png
+      symosc sweep fig9 --over Omega=1:6:500 --record section:32 --t-end 100T --plot bifurcation.png
     """
     problem = options.scene_with(scene, settings)
     over = dict[str, str]()

@@ -532,7 +532,9 @@ def grazing_windows(
     for name in swept:
         if name not in names:
             raise ParameterError(
-                name, "swept", f"the window of {mapping} depends on {', '.join(names)} only"
+                name,
+                swept[name],
+                f"the window of {mapping} depends on {', '.join(names)} only",
             )
     arrays = {name: real_array(name, values, "must be numbers") for name, values in swept.items()}
     try:
