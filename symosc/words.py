@@ -107,8 +107,8 @@ class Word(NamedTuple):
         return tuple(MAPS[label] for label in self.labels)
 
     def exits(self) -> tuple[str | None, ...]:
-        """Return for each map that is a stick whether the next map moves "below" or "above" the
-        belt.
+        """Return for each map whether the next one moves "below" or "above" the belt, if the map is
+        a stick.
 
         The last map is followed by the first one, as on a periodic orbit. The entry is None for a
         flight, and for a stick if the next map is no flight that begins at its belt.

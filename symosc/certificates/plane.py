@@ -215,9 +215,10 @@ class BoxFlight:
 
 
 class BoxEquations:
-    """The closing equations of a word; the unknowns are phase, x and duration of each flight.
+    """The closing equations of a word in balls, to prove its orbits over a box of parameters.
 
-    After a stick x is no unknown: it follows from the force, which is 0 where the stick ends.
+    The unknowns are, for each flight, phase and x at its start and its duration. After a stick x is
+    no unknown: it follows from the force, which is 0 where the stick ends.
     """
 
     # `labels` begin with a flight; if their second half is the mirror image of the first, only the

@@ -119,7 +119,7 @@ class Border(Drawable):
         self.ends = ends
         self.special = tuple(special)
         self.points = np.array([system.values(node.z) for node in nodes])
-        self.errors = np.array([node.error for node in nodes])
+        self.errors = np.array([node.errors for node in nodes])
         self.kind, self.sliding = names_of(system)
         self._side = 1.0
         self.words: tuple[str | None, str | None] = self._words_of_sides()

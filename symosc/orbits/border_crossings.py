@@ -80,8 +80,10 @@ def closed_form(
 def crossed_borders(
     plane: BorderPlane, place: np.ndarray, orbit: Orbit, direction: np.ndarray
 ) -> Iterator[Begun]:
-    """Yield the borders of the word of `orbit`, found at `place`, that the line along `direction`
-    through `place` crosses nearby, each with a node on that line.
+    """Yield the borders of an orbit's word that a line through `place` crosses nearby.
+
+    `orbit` is an orbit at the parameters `place`, the line goes along `direction`, and each border
+    comes with a node on it.
     """
     equations = ClosingEquations(plane.parameters(place), orbit.word, orbit.periods)
     points = orbit.points

@@ -239,7 +239,7 @@ def end_between(system: BorderSystem, good: Node, bad: Node) -> tuple[Node, Spec
         point = SpecialPoint(sliding or kind, values, message, length)
     z = good.z.copy()
     z[-2:] = np.array(point.values) / system.scale[-2:]
-    return good._replace(z=z, error=np.full(2, point.error)), point
+    return good._replace(z=z, errors=np.full(2, point.error)), point
 
 
 def _bisected(system: BorderSystem, good: Node, bad: Node) -> tuple[Node, Node, Condition | None]:

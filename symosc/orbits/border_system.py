@@ -113,13 +113,15 @@ class BorderPlane(NamedTuple):
 
 
 class Node(NamedTuple):
-    """A point of a border: the unknowns `z` of a `BorderSystem`, the unit tangent, and errors of
-    the two parameters.
+    """A point of a border.
+
+    It has the scaled unknowns `z` of a `BorderSystem`, the unit tangent there (scaled likewise), and
+    the estimated absolute errors of the two parameters (not scaled).
     """
 
     z: np.ndarray
     tangent: np.ndarray
-    error: np.ndarray
+    errors: np.ndarray
 
 
 # Stretches below this part of the largest one are rounding.

@@ -449,7 +449,9 @@ def _message_of_orbit(
     grazing it is.
     """
     kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
-    message = f"{kind} orbit of {counted_periods(periods)}, largest |multiplier| {_size_text(gap)}"
+    message = (
+        f"{kind} orbit of {counted_periods(periods)}, largest |multiplier| {_multiplier_text(gap)}"
+    )
     if stable is None:
         message += " (no neighbour need come nearer)"
     if near < inf:
@@ -466,8 +468,11 @@ def counted_periods(periods: int) -> str:
     return f"{periods} forcing periods"
 
 
-def _size_text(gap: float | None) -> str:
-    """Return the size 1 - gap as text, so that it differs from 1 if it is another number."""
+def _multiplier_text(gap: float | None) -> str:
+    """Return the largest |multiplier|, 1 - gap, as text.
+
+    Near 1 it is "1 - 2e-9", so that it does not read as 1. None stands for exactly 1.
+    """
     if gap is None:
         return "1"
     if abs(gap) > NEAR_ONE_TEXT:

@@ -194,9 +194,10 @@ def window_phases(
     full: bool,
     known_signs: tuple[int, int, int] | None = None,
 ) -> Expr:
-    """Return the set of phases at which a contact grazes (Theorem 7).
+    """Return the set of phases at which a contact with the boundary of `where` grazes (Theorem 7).
 
-    `known_signs`: result of `signs`, if known.
+    The signs of gamma and amplitude must be decidable, or given by `known_signs` (as `signs` returns
+    them). `full` is the order "full" of `theorem7`, else it is "paper".
     """
     gamma_sign, amplitude_sign, excess_sign = known_signs or signs(gamma, amplitude)
     kind = cases.window_kind(where.side, gamma_sign, amplitude_sign, excess_sign, full)

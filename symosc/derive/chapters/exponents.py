@@ -60,7 +60,7 @@ def items(scope: Scope) -> Items:
     no chaos.
     """
     yield _derivatives()
-    yield _limits()
+    yield _where_not_differentiable()
     yield _exponents()
     yield _no_chaos()
 
@@ -130,8 +130,8 @@ def _derivatives() -> Items:
     )
 
 
-def _limits() -> Items:
-    """Yield the items on where the derivatives end."""
+def _where_not_differentiable() -> Items:
+    """Yield the items on the points where a motion has no derivative, or one on each side."""
     steps = lengths()
     yield (
         r"\subsection{Where they end}",
