@@ -572,7 +572,7 @@ class Cover:
         middles = np.array([middle_of(proven.range) for proven in orbits]).reshape(-1, 2) / sizes
         for box in left:
             place = np.array(middle_of(box)) / sizes
-            near = dict[tuple[str, ...], Candidate]()
+            near = dict[tuple[str, ...], Candidate]()  # one for each word, the nearest
             nearest = np.argsort(((middles - place) ** 2).sum(axis=1), kind="stable")
             for proven in (orbits[i] for i in nearest[:MOST_NEAR]):
                 labels = flight_first(proven.word)

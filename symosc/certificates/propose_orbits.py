@@ -543,6 +543,7 @@ def _broken_at_end(
     belt = piece.end
     v = equations.belt(belt).v
     forces = [equations.force(domain, end[0], v, end[1]) for domain in (belt, belt + 1)]
+    # A crossing asks that both forces point along the motion, a stick for F below > 0 > F above.
     upward = piece.mode == belt
     for domain, force in zip((belt, belt + 1), forces, strict=True):
         sign = 1 if upward else -1

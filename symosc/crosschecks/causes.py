@@ -161,6 +161,7 @@ class FaultySteps:
         self.parameters = check.trajectory.parameters
         self.allowed = check.allowed[part.start : part.stop - 1]
         self.scales = np.array(check.scales)
+        # What is allowed for v in a step is the tolerance at its end; the first also at its start.
         self.near = np.append(self.allowed[:1, 1], self.allowed[:, 1])
         samples = (check.t[part], check.x[part], check.v[part])
         s = follow_steps(self.parameters, *samples, self.near, self.scales)

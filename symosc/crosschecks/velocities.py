@@ -53,6 +53,8 @@ GOOD_FIT = 1.1
 # by HOPELESS times as much is not fitted to those of a longer one.
 WORST_FIT = 4.0
 HOPELESS = 10.0
+# Unknown velocities in a row that are continued one after another; gaps are shorter as a rule.
+MOST_CONTINUED = 100
 # Velocities of steps have a row for the flight in each domain, then one for the stick on each belt.
 FLIGHT_ROWS = 3
 
@@ -422,17 +424,19 @@ def _agreed(
 def _continued(
     K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray
 ) -> np.ndarray:
-    """Fill in unknown velocities by the exact motion from the sample before, or else by
-    interpolation.
+    """Fill in unknown velocities by the exact motion from the sample before.
+
+    Where it cannot be followed, the velocity before is held, or else interpolated.
     """
-    for _ in range(100):
+    for _ in range(MOST_CONTINUED):
         steps = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
         if not len(steps):
             break
         on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
-        followed = follow_from(
-            K, np.array([t, x, np.where(np.isnan(v), 0.0, v), theta]), steps, on
-        )[0][:, 1]
+        # Unknown velocities count as 0, so that their defects are the exact velocities themselves.
+        samples = np.array([t, x, np.where(np.isnan(v), 0.0, v), theta])
+        defects = follow_from(K, samples, steps, on)[0]
+        followed = defects[:, 1]
         v[steps + 1] = np.where(np.isnan(followed), v[steps], followed)
     rest = np.flatnonzero(np.isnan(v))
     if len(rest):

@@ -111,6 +111,7 @@ class Scope:
         """
         if self.scene is None:
             return PAPER_LETTERS
+        # The numbers of a scene leave one regime.
         return self.numbers | {
             name: value.subs(self.numbers) for name, value in self.regimes[0].letters.items()
         }

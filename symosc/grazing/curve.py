@@ -454,6 +454,7 @@ def _continuous(left: Sample, right: Sample) -> bool:
     """
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
+    # Written so that nan counts as continuous.
     return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)
 
 

@@ -217,11 +217,12 @@ class GrazingWindow(Drawable, LatexAnswer):
     def critical_phase(self) -> Number:
         """Return Theta_cr as an mpmath number of 30 digits; nan where it does not exist."""
         context = mp_context(WINDOW_DIGITS)
-        if self.amplitude == 0 or self.signs[2] > 0:
+        _, _, excess_sign = self.signs  # of |gamma| - |amplitude|
+        if self.amplitude == 0 or excess_sign > 0:
             return context.nan
         sine = -self.gamma / self.amplitude
-        # In whole numbers, where the difference cancels: next to 1 the arcsine loses half the
-        # digits of its argument.
+        # 1 - sine^2 from whole numbers, since next to 1 it cancels: the arcsine would lose half the
+        # digits.
         square = (sine.denominator - sine.numerator) * (sine.denominator + sine.numerator)
         return context.atan2(sine.numerator, context.sqrt(square))
 

@@ -40,12 +40,13 @@ def compile_modules(
         raise MissingExtraError("compiling", "fast") from None
     modules = tuple(modules)
     replaced = replaced or {}
-    seen = bind(modules, {})
+    seen = bind(modules, {})  # all names that the functions can see
     written = functions_of(modules)
     if outlined is None:
         inlined = set[str]()
     else:
         inlined = set(written) - set(outlined)
+    # A builtin such as abs may be replaced too; only what numba has compiled counts.
     called = {
         name: value
         for name, value in (callees or {}).items()

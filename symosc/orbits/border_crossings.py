@@ -181,7 +181,8 @@ def all_crossings(plane: BorderPlane, start: PlacedOrbit, stop: PlacedOrbit) -> 
     own = system.orbit(node.z)
     if not 0 <= linear.dot(crossing - start.values, direction) <= linear.dot(segment, direction):
         return  # the border at the segment's end, once more
-    # Step off the border to both sides, as little as shows two different words there.
+    # Step off the border to both sides, as little as shows two different words there, or as far as
+    # the widest shift.
     for shift in SHIFTS:
         before = crossing - shift * direction
         after = crossing + shift * direction

@@ -492,6 +492,8 @@ def _check_times(plan: SweepPlan) -> None:
     if not plan.t_end.periods and plan.t_end.value <= t0:
         raise ParameterError("t_end", str(plan.t_end), f"must be later than t0 = {show(t0)}")
     omegas = swept.get("Omega", np.array([float(plan.scene.parameters.Omega)]))
+    # Both sides are linear in the period, so its two ends suffice. A number of periods counts from
+    # t0, a time does not.
     for period in (2 * math.pi / float(omega) for omega in (omegas.min(), omegas.max())):
         length = plan.t_end.times(period) - (0 if plan.t_end.periods else t0)
         if float(plan.skip.times(period)) >= float(length):

@@ -75,6 +75,7 @@ class Store:
                 or CHUNK_FORM.fullmatch(name)
                 for name in os.listdir(self.folder)
             )
+            # "" is a plan that cannot be read; None is no plan, here among files of others.
             if self.key() == "" or (self.key() is None and not is_ours):
                 wanted = "remove it, or name another output"
                 raise SweepError(
@@ -88,7 +89,7 @@ class Store:
         saved_key = self.key()
         if saved_key not in (None, key):
             raise self.foreign_error()
-        self._clear(whole=False)
+        self._clear(whole=False)  # drafts of a program that was killed
         if saved_key is None:
             write_text(self.folder / PLAN_FILE, json.dumps({"key": key} | content, indent=1) + "\n")
         self._key = key

@@ -107,7 +107,7 @@ def read_table(file: IO[bytes], choose: Choose, where: str) -> TextTable:
         raise ParameterError("file", where, what)
     data = [i for i, line in enumerate(head) if line.has_data]
     comments = head[: data[0]] if data else head
-    # The second line shows the delimiter better than a header.
+    # The second line, which comes first here, shows the delimiter better than a header.
     telling = [head[i].text for i in data[1::-1]] or [comments[-1].text]
     delimiter = next((sign for sign in map(_delimiter, telling) if sign), None)
     first = _split_cells(head[data[0]].text, delimiter) if data else []
@@ -121,7 +121,8 @@ def read_table(file: IO[bytes], choose: Choose, where: str) -> TextTable:
         own = first
         headers = [own, *in_comments]
     names, columns = _choose_header(headers, own, choose, where)
-    begin = len(comments) + (names is first)
+    has_header_row = names is first
+    begin = len(comments) + has_header_row
     rows = _rows(chain(head[begin:], lines), delimiter, len(names), where)
     return TextTable(delimiter, columns, rows)
 
