@@ -109,8 +109,8 @@ def test_a_column_of_sweeps_is_added_as_contributing_says(copy: Path) -> None:
     change(
         simulation / "ensemble.py",
         (
-            "    counted = columns",
-            '    columns["speed"] = abs(columns["v"])\n    counted = columns',
+            "    counted_time = columns",
+            '    columns["speed"] = abs(columns["v"])\n    counted_time = columns',
         ),
     )
     run(copy, "-c", SWEPT)

@@ -20,13 +20,15 @@ from verdicts import Verdict, compare, label, truth_of
 
 from symosc import simulate
 
+#: Half of the scenes are followed by compiled loops too.
+pytestmark = pytest.mark.compiled("doubles")
+
 QUICK = 2  # scenes of each family, and more of those that touch a belt, or nearly
 TOUCHING = ("graze", "near", "approach", "limit", "creep", "settle", "aimed", "shallow", "undriven")
 SLOW = 60
 PARTS = {"graze": Fraction(1, 6), "long": Fraction(1, 12), "undriven": Fraction(1, 2)}
 
 
-@pytest.mark.compiled("doubles")
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("number", few(range(QUICK), 0))  # of even number: compiled
 @pytest.mark.parametrize("family", fuzz.FAMILIES)
@@ -34,7 +36,6 @@ def test_random_scenes_of_every_family(family: str, number: int) -> None:
     assert_no_faults(family, range(number, number + 1), PARTS.get(family, Fraction(1)))
 
 
-@pytest.mark.compiled("doubles")
 @pytest.mark.slow
 @pytest.mark.parametrize("family", TOUCHING)
 def test_more_scenes_that_touch(family: str) -> None:
