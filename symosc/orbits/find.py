@@ -19,7 +19,7 @@ from symosc.base.errors import ParameterError
 from symosc.base.exact import read_digits, unmasked, whole_number
 from symosc.engine.arithmetic import column_functions, mp_context
 from symosc.engine.start import belt_start, belt_state
-from symosc.engine.state import CROSS, END, FAILED, REST, SLIP, STICK, Covariance
+from symosc.engine.state import CROSS, END, FAILED, ON_BELT, REST, SLIP, STICK, Covariance
 from symosc.friction import MODE_NAMES
 from symosc.model import Parameters
 from symosc.orbits.admissibility import (
@@ -520,7 +520,7 @@ def motion_instead(equations: ClosingEquations, failed: Sequence[Condition] = ()
     if any(map(_has_no_length, failed)):
         for boundary in {piece.start for piece in equations.pieces if piece.sticks}:
             if rest_positions(equations.parameters, boundary) is not None:
-                return resting_text(equations.parameters, 3 + boundary, "the mass stays")
+                return resting_text(equations.parameters, ON_BELT + boundary, "the mass stays")
     centre, size = largest_displacement(equations)
     once = ClosingEquations(equations.parameters, equations.word, 1)
     # Only a damper makes motions from elsewhere settle.
