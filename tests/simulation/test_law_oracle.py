@@ -1,0 +1,162 @@
+"""The oracle of general friction laws is checked before it judges.
+
+Against reference values of another program, closed forms, the paper's oracle and scipy.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from random import Random
+from typing import Any
+
+import mpmath
+import pytest
+from law_oracle import LawBelt, LawRun, follow, friction_table
+from law_reference import REFERENCES, Reference
+from oracle import simulate_oracle
+from scene_families import wide
+
+DIGITS_KNOWN = 1e-24  # the printed values have 26 digits
+SCIPY = 1e-8  # what rtol = 1e-12 leaves after some ten events
+
+
+def label(event: Any) -> tuple[str, int, str, str]:
+    return event.kind, event.boundary, event.source, event.target
+
+
+def followed(reference: Reference, digits: int = 60) -> LawRun:
+    run = follow(
+        **reference.law,
+        belts=reference.belts,
+        t0=reference.start[0],
+        x0=reference.start[1],
+        v0=reference.start[2],
+        t_end=reference.t_end,
+        digits=digits,
+    )
+    return run
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=[case.name for case in REFERENCES])
+def test_reference_values(reference: Reference) -> None:
+    run = followed(reference)
+    assert run.status == "t_end"
+    assert [label(event) for event in run.events] == [label(event) for event in reference.events]
+    with mpmath.workdps(60):
+        for event, expected in zip(run.events, reference.events, strict=True):
+            for name in ("t", "x"):
+                true = mpmath.mpf(getattr(expected, name))
+                assert abs(getattr(event, name) - true) < DIGITS_KNOWN * max(1, abs(true))
+        if reference.mode:
+            assert run.mode == reference.mode
+            assert abs(run.x - mpmath.mpf(reference.x)) < DIGITS_KNOWN
+            assert abs(run.v - mpmath.mpf(reference.v)) < DIGITS_KNOWN
+
+
+def test_what_equality_decides_is_said() -> None:
+    ties = {case.name: [event.tie for event in followed(case).events] for case in REFERENCES}
+    assert [name for name, said in ties.items() if any(said)] == ["S2", "S3"]
+    assert ties["S2"] == [True] + 9 * [False]
+    assert ties["S3"] == [True] + 9 * [False]
+
+
+@pytest.mark.parametrize("reference", REFERENCES, ids=[case.name for case in REFERENCES])
+def test_sixty_digits_and_ninety(reference: Reference) -> None:
+    run = followed(reference)
+    more = followed(reference, 90)
+    assert [label(event) for event in run.events] == [label(event) for event in more.events]
+    with mpmath.workdps(100):
+        assert all(
+            abs(here.t - there.t) + abs(here.x - there.x) < 1e-55
+            for here, there in zip(run.events, more.events, strict=True)
+        )
+        assert abs(run.x - more.x) + abs(run.v - more.v) < 1e-55
+
+
+def test_the_bands_of_a_curve() -> None:
+    """Worked out by hand for S6."""
+    belts = [LawBelt(3, curve=[(0, 2), (2, 1), (5, "2/5")])]
+    edges, bands = friction_table(1, 0, 1, belts)
+    assert [edge.V for edge in edges] == [-2, 1, 3, 5, 8]
+    assert [edge.J for edge in edges] == [0, 0, 4, 0, 0]
+    fifth = Fraction(1, 5)
+    half = Fraction(1, 2)
+    assert [(band.c, band.A) for band in bands] == [
+        (1, 2 * fifth),
+        (4 * fifth, 4 * fifth),
+        (half, half),
+        (half, -7 * half),
+        (4 * fifth, -2),
+        (1, -2 * fifth),
+    ]
+    assert [band.domain for band in bands] == [1, 1, 1, 2, 2, 2]
+
+
+@pytest.mark.parametrize(
+    ("m", "k", "V", "f", "s"), [(1, 1, "1/5", "1/2", 1), ("1/3", 5, "3/7", "2/9", "5/9")]
+)
+def test_the_cycle_without_damping(m: Any, k: Any, V: Any, f: Any, s: Any) -> None:
+    """T = 2 a/V + (2/w)(pi - atan(a w/V)), a = (s - f)/k; the start is where the mass slips."""
+    belts = [LawBelt(V, f, s)]
+    run = follow(m, 0, k, 0, 0, None, 1, belts, 0, Fraction(s) / Fraction(k), V, 200, 8)
+    assert [event.kind for event in run.events[:4]] == ["stick", "slip", "stick", "slip"]
+    with mpmath.workdps(60):
+        m, k, V, f, s = (
+            mpmath.mpf(Fraction(value).numerator) / Fraction(value).denominator
+            for value in (m, k, V, f, s)
+        )
+        a = (s - f) / k
+        w = mpmath.sqrt(k / m)
+        period = 2 * a / V + 2 / w * (mpmath.pi - mpmath.atan(a * w / V))
+        for first, second in zip(run.events, run.events[2:], strict=False):
+            assert abs(second.t - first.t - period) < 1e-57 * period
+
+
+def test_where_the_cycle_with_damping_ends() -> None:
+    """The slip returns to the belt by touching it: at a speed known from v = V, v' = 0."""
+    speed = Fraction("0.54904631205793634574394182271822")
+    for change, kinds in ((-1, ["stick", "slip"]), (1, [])):
+        V = speed + change * Fraction(1, 10**20)
+        belts = [LawBelt(V, "1/2", 1)]
+        x0 = 1 - V / 10
+        run = follow(1, "1/10", 1, 0, 0, None, 1, belts, 0, x0, V, 12, 2)
+        assert [event.kind for event in run.events] == kinds
+
+
+def test_close_to_a_tie_is_undecided() -> None:
+    """S2 missed by 1e-30 of its amplitude: too close for 60 digits, decided with 100."""
+    change = Fraction(1, 10**30)
+    runs = [
+        follow(
+            1, 0, 1, 0, Fraction(3, 2) * (1 - change), "1/2", 1, [LawBelt(1, "1/2", 1)],
+            0, Fraction(5, 2) - 2 * change, 0, 20, digits=digits,
+        )
+        for digits in (60, 100)
+    ]  # fmt: skip
+    assert [run.status for run in runs] == ["undecided", "t_end"]
+    assert "distance to a belt" in runs[0].message
+
+
+#: Numbers of `wide` scenes, among them critical and near-critical damping, resonance, k = 0.
+PAPER_SCENES = range(40)
+
+
+@pytest.mark.parametrize(
+    "number", [pytest.param(n, marks=() if n < 10 else pytest.mark.slow) for n in PAPER_SCENES]
+)
+def test_the_papers_oracle(number: int) -> None:
+    """Two Coulomb belts: another program answers too."""
+    scene = wide(Random(f"laws:{number}"), number)
+    p = scene.p
+    t_end = min(scene.t_end, scene.t0 + 30)
+    theirs = simulate_oracle(p, scene.t0, scene.x0, scene.v0, t_end, 50, 12)
+    belts = [LawBelt(p.v1, p.mu1), LawBelt(p.v2, p.mu2)]
+    ours = follow(
+        p.m, p.c, p.k, p.A0, p.B0, p.Omega, p.FN, belts,
+        scene.t0, scene.x0, scene.v0, t_end, 12, 50,
+    )  # fmt: skip
+    assert [label(event) for event in ours.events] == [label(event) for event in theirs.events]
+    with mpmath.workdps(50):
+        for here, there in zip(ours.events, theirs.events, strict=True):
+            assert abs(here.t - there.t) < 1e-38 * max(1, abs(there.t))
+            assert abs(here.x - there.x) < 1e-38 * max(1, abs(there.x))
