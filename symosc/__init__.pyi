@@ -49,6 +49,10 @@ from .mappings.equations import jacobian as jacobian
 from .mappings.equations import parameter_jacobian as parameter_jacobian
 from .mappings.equations import residual as residual
 from .mappings.equations import solve_map as solve_map
+from .model import Band as Band
+from .model import Belt as Belt
+from .model import Edge as Edge
+from .model import Oscillator as Oscillator
 from .model import Parameters as Parameters
 from .orbits.admissibility import Condition as Condition
 from .orbits.border import Border as Border

@@ -8,6 +8,7 @@ side of a belt a domain lies, asks this module; the paper's two belts are `TWO_B
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -130,17 +131,21 @@ NEIGHBOURS = TWO_BELTS.neighbours
 MAPS = TWO_BELTS.maps
 
 
-class Belt(NamedTuple):
-    """A belt of Coulomb friction: its speed v and its coefficient mu (numbers, or columns)."""
+class BeltNumbers(NamedTuple):
+    """The numbers of a belt: its speed v, its kinetic and its static coefficient of friction.
+
+    They are numbers of any kind, or columns. Without `mu_s` the two coefficients are equal.
+    """
 
     v: Any
     mu: Any
+    mu_s: Any = None
 
 
 class FrictionLaw(NamedTuple):
     """The belts in order of speed, and the normal force FN that presses the mass between them."""
 
-    belts: Sequence[Belt]
+    belts: Sequence[BeltNumbers]
     FN: Any
 
     def force(self, domain: int) -> Any:
@@ -156,6 +161,13 @@ class FrictionLaw(NamedTuple):
                 coefficient = coefficient - belt.mu
         return coefficient * self.FN
 
-    def holding(self, boundary: int) -> Any:
-        """Return mu FN, the largest force of friction of the belt at a boundary."""
+    def kinetic(self, boundary: int) -> Any:
+        """Return mu FN, the kinetic friction of the belt at a boundary."""
         return self.belts[boundary - 1].mu * self.FN
+
+    def excess(self, boundary: int) -> Any:
+        """Return (mu_s - mu) FN, by how much static friction of a belt exceeds its kinetic friction."""
+        belt = self.belts[boundary - 1]
+        if belt.mu_s is None:
+            return Fraction(0)
+        return (belt.mu_s - belt.mu) * self.FN

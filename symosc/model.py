@@ -11,22 +11,76 @@ explains the words that the code uses.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
-from typing import Any
+from itertools import count, pairwise
+from math import sqrt
+from typing import Any, NamedTuple
 
 from symosc.base.aliases import NumberLike
-from symosc.base.arguments import NUMBER, public, require
+from symosc.base.arguments import NUMBER, public, require, require_or_none, sequence_of
 from symosc.base.errors import ParameterError, meant
-from symosc.base.exact import show, whole_number
+from symosc.base.exact import power_of_ten, show, whole_number
 from symosc.base.quantities import QUANTITIES, least, read_number
-from symosc.friction import TWO_BELTS, Belt, FrictionLaw
+from symosc.friction import TWO_BELTS, BeltNumbers, FrictionLaw
+
+
+class Model:
+    """An oscillator with any friction law: what `Parameters` and `Oscillator` share."""
+
+    m: Fraction
+    c: Fraction
+    k: Fraction
+    A0: Fraction
+    B0: Fraction
+    Omega: Fraction
+    FN: Fraction
+    _law: FrictionLaw
+
+    @property
+    def law(self) -> FrictionLaw:
+        """The friction law: the belts in order of speed, and the normal force between them."""
+        return self._law
+
+    @public
+    def A(self, alpha: int) -> Fraction:
+        """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1),
+        (5)).
+        """
+        alpha = whole_number("alpha", alpha, 1, len(self.law.belts) + 1)
+        return self.A0 + self.law.force(alpha)
+
+    @public
+    def belt(self, boundary: int) -> Fraction:
+        """Return the speed of the belt at `boundary`, which is its number from 1 by speed."""
+        return self.law.belts[self._number("boundary", boundary) - 1].v
+
+    @public
+    def friction(self, boundary: int) -> Fraction:
+        """Return mu FN, the kinetic friction of the belt at `boundary`."""
+        return self.law.kinetic(self._number("boundary", boundary))
+
+    def _number(self, name: str, boundary: int) -> int:
+        return whole_number(name, boundary, 1, len(self.law.belts))
+
+    def numbers(self) -> dict[str, Fraction]:
+        """Return all parameters by name."""
+        raise NotImplementedError
+
+    @property
+    def parameters(self) -> Parameters:
+        """The oscillator as the paper's, with two belts; ParameterError if it is another one."""
+        raise NotImplementedError
+
+    def as_dict(self) -> dict[str, str]:
+        """Return the parameters as text that reads back exactly."""
+        return {name: show(value) for name, value in self.numbers().items()}
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Parameters:
+class Parameters(Model):
     """Parameters of the oscillator, each an exact Fraction.
 
     Parameters
@@ -86,15 +140,7 @@ class Parameters:
         for name, value in (numbers | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
             object.__setattr__(self, name, read_number(name, value)[0])
         for name in PARAMETER_NAMES:
-            value = getattr(self, name)
-            lowest = least(name)
-            if lowest is not None and value < lowest:
-                tiny = 0 < value < lowest
-                if tiny:
-                    allowed = f"at least {float(lowest):g}"
-                else:
-                    allowed = QUANTITIES[name].allowed
-                raise ParameterError(name, show(value), f"must be {allowed}")
+            check_range(name, getattr(self, name))
         if self.v1 >= self.v2:
             raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
 
@@ -117,34 +163,19 @@ class Parameters:
                 raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
         return Parameters(**by_name(self) | changes)
 
-    def as_dict(self) -> dict[str, str]:
-        """Return the parameters as text that reads back exactly."""
-        return by_name(self, show)
+    def numbers(self) -> dict[str, Fraction]:
+        """Return all parameters by name."""
+        return by_name(self)
+
+    @property
+    def parameters(self) -> Parameters:
+        """The parameters themselves, as for an `Oscillator`."""
+        return self
 
     @cached_property
-    def _law(self) -> FrictionLaw:
-        """The friction law of the two belts."""
-        return FrictionLaw((Belt(self.v1, self.mu1), Belt(self.v2, self.mu2)), self.FN)
-
-    @public
-    def A(self, alpha: int) -> Fraction:
-        """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1),
-        (5)).
-        """
-        alpha = whole_number("alpha", alpha, 1, len(TWO_BELTS.domains))
-        return self.A0 + self._law.force(alpha)
-
-    @public
-    def belt(self, boundary: int) -> Fraction:
-        """Return the speed v1 or v2 of the belt at `boundary` 1 or 2."""
-        boundary = whole_number("boundary", boundary, 1, len(TWO_BELTS.boundaries))
-        return self._law.belts[boundary - 1].v
-
-    @public
-    def friction(self, boundary: int) -> Fraction:
-        """Return mu FN, the force of friction of the belt at `boundary` 1 or 2."""
-        boundary = whole_number("boundary", boundary, 1, len(TWO_BELTS.boundaries))
-        return self._law.holding(boundary)
+    def _law(self) -> FrictionLaw:  # type: ignore[override]
+        belts = (BeltNumbers(self.v1, self.mu1), BeltNumbers(self.v2, self.mu2))
+        return FrictionLaw(belts, self.FN)
 
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""
@@ -157,6 +188,18 @@ class Parameters:
         return f"Parameters({', '.join(f'{name}={_source(value)}' for name, value in self.as_dict().items())})"
 
 
+def check_range(name: str, value: Fraction) -> None:
+    """Raise ParameterError if the parameter `name` may not have this value."""
+    lowest = least(name)
+    if lowest is None or value >= lowest:
+        return
+    if 0 < value < lowest:
+        allowed = f"at least {float(lowest):g}"
+    else:
+        allowed = QUANTITIES[name].allowed
+    raise ParameterError(name, show(value), f"must be {allowed}")
+
+
 def by_name(
     p: Parameters, number: Callable[[Fraction], Any] = lambda value: value
 ) -> dict[str, Any]:
@@ -164,20 +207,413 @@ def by_name(
     return {name: number(getattr(p, name)) for name in PARAMETER_NAMES}
 
 
-class OtherNumbers:
+class OtherNumbers(Model):
     """Parameters that are not Fractions but, for example, columns.
 
     It has the formulas of `Parameters`.
     """
 
-    A = Parameters.A
-    belt = Parameters.belt
-    friction = Parameters.friction
-
     def __init__(self, values: Mapping[str, Any]) -> None:
         vars(self).update(values)
-        belts = (Belt(values["v1"], values["mu1"]), Belt(values["v2"], values["mu2"]))
+        belts = [
+            BeltNumbers(values[f"v{n}"], values[f"mu{n}"], values.get(f"mu_s{n}"))
+            for n in range(1, belts_named(values) + 1)
+        ]
         self._law = FrictionLaw(belts, values["FN"])
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Belt:
+    """A belt that presses on the mass: its speed and its friction.
+
+    The mass sticks to the belt while the force that this needs is at most mu_s FN, and slides with
+    the friction mu FN. At equality it sticks for as long as it can.
+
+    Parameters
+    ----------
+    v : number
+        Speed of the belt; 0 is a wall.
+    mu : number
+        Kinetic coefficient of friction, >= 0. A belt with mu = mu_s = 0 is transparent.
+    curve, slope : optional
+        Kinetic friction that depends on the relative speed. It cannot be solved yet and is refused.
+    mu_s : number, optional
+        Static coefficient of friction, >= mu. None: equal to mu.
+
+    Raises
+    ------
+    ParameterError
+        If a number is not finite or out of range; the message names it.
+
+    Examples
+    --------
+    >>> from symosc import Belt
+    >>> Belt("0.1", mu="2/5", mu_s="0.7")
+    Belt(0.1, mu=0.4, mu_s=0.7)
+    """
+
+    v: Fraction
+    mu: Fraction
+    mu_s: Fraction
+
+    @public
+    def __init__(
+        self,
+        v: NumberLike,
+        mu: NumberLike | None = None,
+        *,
+        curve: Any = None,
+        slope: NumberLike = 0,
+        mu_s: NumberLike | None = None,
+    ) -> None:
+        require(NUMBER, v=v, slope=slope)
+        require_or_none(NUMBER, mu=mu, mu_s=mu_s)
+        if mu is not None and curve is not None:
+            raise ParameterError("curve", curve, "must be omitted if mu is given, or mu omitted")
+        if curve is not None or slope != 0:
+            refused = "curve" if curve is not None else "slope"
+            raise ParameterError(
+                refused,
+                curve if curve is not None else slope,
+                "friction that depends on the relative speed cannot be solved yet; give mu, and "
+                "mu_s for static friction",
+            )
+        if mu is None:
+            raise ParameterError("mu", None, "mu is required: the kinetic coefficient of friction")
+        given = {"v": v, "mu": mu, "mu_s": mu if mu_s is None else mu_s}
+        for name, value in given.items():
+            object.__setattr__(self, name, read_number(name, value)[0])
+            check_range(name, getattr(self, name))
+        if self.mu_s < self.mu:
+            raise ParameterError(
+                "mu_s", show(self.mu_s), f"must be at least mu = {show(self.mu)}, or be omitted"
+            )
+
+    @public
+    def replace(self, **changes: NumberLike) -> Belt:
+        """Return a copy with some numbers changed; mu_s stays equal to mu where it was."""
+        for name, value in changes.items():
+            if name not in BELT_NAMES:
+                allowed = f"unknown number of a belt; choose from {', '.join(BELT_NAMES)}"
+                raise ParameterError(name, value, allowed + meant(name, BELT_NAMES))
+        numbers: dict[str, Any] = {"v": self.v, "mu": self.mu}
+        if self.has_static:
+            numbers["mu_s"] = self.mu_s
+        return Belt(**numbers | changes)
+
+    @property
+    def has_static(self) -> bool:
+        """Whether static friction exceeds kinetic friction."""
+        return self.mu_s > self.mu
+
+    def __repr__(self) -> str:
+        static = f", mu_s={_source(show(self.mu_s))}" if self.has_static else ""
+        return f"Belt({_source(show(self.v))}, mu={_source(show(self.mu))}{static})"
+
+
+class Edge(NamedTuple):
+    """A speed at which friction jumps, and what jumps there.
+
+    Attributes
+    ----------
+    v : Fraction
+        The speed.
+    J : Fraction
+        By how much the force below exceeds the force above: twice the kinetic friction of the belt.
+    E : Fraction
+        By how much static friction exceeds kinetic friction.
+    belts : tuple of int
+        The numbers of the belts with this speed.
+    """
+
+    v: Fraction
+    J: Fraction
+    E: Fraction
+    belts: tuple[int, ...]
+
+
+class Band(NamedTuple):
+    """A range of velocities with one linear equation m x'' + c x' + k x = A + B0 cos(Omega t).
+
+    Attributes
+    ----------
+    c, A : Fraction
+        Damping and constant force, friction included.
+    below, above : Fraction or None
+        The speeds of the edges that bound the band; None where there is none.
+    """
+
+    c: Fraction
+    A: Fraction
+    below: Fraction | None
+    above: Fraction | None
+
+
+#: The numbers of an oscillator beside its belts, and the names of those of a belt.
+OSCILLATOR_NAMES = ("m", "c", "k", "A0", "B0", "Omega", "FN")
+BELT_NAMES = ("v", "mu", "mu_s")
+#: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in
+#: the time 1/Omega or, without a drive, in the time that the free motion takes.
+FAR = 10**6
+
+
+@dataclass(frozen=True, init=False, repr=False)
+class Oscillator(Model):
+    """A mass between any number of belts, with static friction where belts have some.
+
+        m x'' + c x' + k x = A0 + B0 cos(Omega t) + friction of the belts
+
+    Two belts without static friction make the oscillator of the paper, and the same answers as
+    `Parameters`. What cannot follow static friction, or another number of belts, refuses it in a
+    line that names the belt.
+
+    Parameters
+    ----------
+    m, c, k : number
+        Mass, damper and spring; m > 0, c >= 0, k >= 0.
+    A0, B0 : number, optional
+        Constant force, and amplitude of the excitation (any sign).
+    Omega : number, optional
+        Angular frequency > 0 of the excitation; required unless B0 = 0.
+    FN : number, optional
+        Normal force >= 0 at each belt. With FN = 1 the coefficients of friction are forces.
+    belts : sequence of Belt
+        At least one; numbered from 1 by speed, in whatever order they are given.
+
+    Attributes
+    ----------
+    bands : tuple of Band
+        The linear equations between the belts, from below.
+    edges : tuple of Edge
+        The speeds at which friction jumps.
+    contracts : bool
+        Whether any two motions approach each other, so that every theorem about one attracting
+        motion holds: so it is without static friction.
+    parameters : Parameters
+        The oscillator as the paper's; ParameterError if it is another one. In place of a second
+        belt there is one without friction, too fast to be met.
+
+    Raises
+    ------
+    ParameterError
+        If a number is out of range, if two belts have one speed, or Omega is missing.
+
+    Examples
+    --------
+    >>> from symosc import Belt, Oscillator, simulate
+    >>> stick_slip = Oscillator(m=1, c=0, k=1, belts=[Belt("1/5", mu="1/2", mu_s=1)])
+    >>> [(event.kind, f"{event.t:.6f}") for event in simulate(stick_slip, v0="1/5", t_end=14).events]
+    [('slip', '5.000000'), ('stick', '8.902605'), ('slip', '13.902605')]
+    >>> stick_slip.contracts
+    False
+    """
+
+    m: Fraction
+    c: Fraction
+    k: Fraction
+    A0: Fraction
+    B0: Fraction
+    Omega: Fraction
+    FN: Fraction
+    belts: tuple[Belt, ...]
+    #: Whether Omega was left out, so that there are no periods to count by.
+    has_free_clock: bool = field(compare=False)
+
+    @public
+    def __init__(
+        self, *, m: NumberLike, c: NumberLike, k: NumberLike, A0: NumberLike = 0, B0: NumberLike = 0,
+        Omega: NumberLike | None = None, FN: NumberLike = 1, belts: Sequence[Belt],
+    ) -> None:  # fmt: skip
+        require(NUMBER, m=m, c=c, k=k, A0=A0, B0=B0, FN=FN)
+        require_or_none(NUMBER, Omega=Omega)
+        given = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "FN": FN}
+        if Omega is None:
+            if read_number("B0", B0)[0] != 0:
+                raise ParameterError(
+                    "Omega", None, "Omega is required unless B0 = 0: the frequency of the drive"
+                )
+            given["Omega"] = 1  # nothing depends on it
+        for name in OSCILLATOR_NAMES:
+            object.__setattr__(self, name, read_number(name, given[name])[0])
+            check_range(name, getattr(self, name))
+        object.__setattr__(self, "belts", _read_belts(belts))
+        object.__setattr__(self, "has_free_clock", Omega is None)
+
+    def __hash__(self) -> int:
+        kept: int | None = self.__dict__.get("_hash")
+        if kept is None:
+            kept = hash(tuple(self.numbers().values()))
+            self.__dict__["_hash"] = kept
+        return kept
+
+    @cached_property
+    def _law(self) -> FrictionLaw:  # type: ignore[override]
+        return FrictionLaw(self.belts, self.FN)  # type: ignore[arg-type]
+
+    @property
+    def edges(self) -> tuple[Edge, ...]:
+        """The speeds at which friction jumps, in order."""
+        return tuple(
+            Edge(belt.v, 2 * self.law.kinetic(n), self.law.excess(n), (n,))
+            for n, belt in enumerate(self.belts, 1)
+        )
+
+    @property
+    def bands(self) -> tuple[Band, ...]:
+        """The linear equations between the belts, from below."""
+        speeds = [None, *(belt.v for belt in self.belts), None]
+        return tuple(
+            Band(self.c, self.A(n), below, above)
+            for n, (below, above) in enumerate(pairwise(speeds), 1)
+        )
+
+    @property
+    def contracts(self) -> bool:
+        """Whether any two motions approach each other."""
+        return not any(belt.has_static for belt in self.belts)
+
+    @property
+    def parameters(self) -> Parameters:
+        """The oscillator as the paper's, with two belts."""
+        for n, belt in enumerate(self.belts, 1):
+            if belt.has_static:
+                raise ParameterError(
+                    "belts",
+                    belt,
+                    f"static friction of belt {n} (mu_s = {show(belt.mu_s)} > mu = "
+                    f"{show(belt.mu)}) cannot be followed here; give mu_s = mu",
+                )
+        if len(self.belts) > len(TWO_BELTS.boundaries):
+            raise ParameterError(
+                "belts", self.belts[2], f"belt 3 of {len(self.belts)} is one too many here"
+            )
+        first, *second = self.belts
+        if second:
+            v2, mu2 = second[0].v, second[0].mu
+        else:
+            v2, mu2 = self._out_of_reach(), Fraction(0)
+        shared = {name: getattr(self, name) for name in OSCILLATOR_NAMES}
+        return Parameters(**shared, v1=first.v, mu1=first.mu, v2=v2, mu2=mu2)
+
+    def _out_of_reach(self) -> Fraction:
+        """Return the speed of a belt that this oscillator cannot meet."""
+        (belt,) = self.belts
+        forces = abs(self.A0) + abs(self.B0) + belt.mu * self.FN
+        return out_of_reach(
+            belt.v, abs(belt.v), forces, m=self.m, c=self.c, k=self.k, B0=self.B0, Omega=self.Omega
+        )
+
+    def numbers(self) -> dict[str, Fraction]:
+        """Return all parameters by name; those of belt 1 are called v1, mu1 and mu_s1."""
+        numbers = {name: value for name, value in self._shared().items() if value is not None}
+        for n, belt in enumerate(self.belts, 1):
+            numbers |= {f"{name}{n}": getattr(belt, name) for name in BELT_NAMES}
+        return numbers
+
+    def _shared(self) -> dict[str, Fraction | None]:
+        """Return the numbers beside those of the belts, as they were given."""
+        shared: dict[str, Any] = {name: getattr(self, name) for name in OSCILLATOR_NAMES}
+        if self.has_free_clock:
+            shared["Omega"] = None
+        return shared
+
+    @public
+    def replace(self, **changes: Any) -> Oscillator:
+        """Return a copy with some parameters changed: ``oscillator.replace(c="0.3", mu_s1=2)``.
+
+        The numbers of belts are called v1, mu1, mu_s1, v2 and so on; `belts` replaces all belts. A
+        belt without static friction keeps mu_s = mu if only its mu is changed.
+        """
+        shared = self._shared()
+        belts: Any = changes.pop("belts", self.belts)
+        of_belts = dict[int, dict[str, Any]]()
+        for name, value in changes.items():
+            belt = name.rstrip("0123456789")
+            number = name[len(belt) :]
+            if name in shared:
+                shared[name] = value
+            elif belt in BELT_NAMES and number and 1 <= int(number) <= len(belts):
+                of_belts.setdefault(int(number), {})[belt] = value
+            else:
+                known = (*self.numbers(), "belts")
+                allowed = f"unknown parameter; choose from {', '.join(known)}"
+                raise ParameterError(name, value, allowed + meant(name, known))
+        changed = [belt.replace(**of_belts.get(n, {})) for n, belt in enumerate(belts, 1)]
+        return Oscillator(**shared, belts=changed)
+
+    def _repr_latex_(self) -> str:
+        """Return the parameters in the paper's letters, for notebooks."""
+        letters = {name: QUANTITIES[name].letter for name in OSCILLATOR_NAMES}
+        for n in range(1, len(self.belts) + 1):
+            letters |= {f"v{n}": f"v_{n}", f"mu{n}": rf"\mu_{n}", f"mu_s{n}": rf"\mu_{{s,{n}}}"}
+        terms = r",\; ".join(f"{letters[name]} = {text}" for name, text in self.as_dict().items())
+        return f"${terms}$"
+
+    def __repr__(self) -> str:
+        numbers = ", ".join(
+            f"{name}={_source(show(value))}"
+            for name, value in self._shared().items()
+            if value is not None
+        )
+        return f"Oscillator({numbers}, belts={list(self.belts)!r})"
+
+
+def belts_named(names: Collection[str]) -> int:
+    """Return how many belts the names v1, v2 and so on among `names` are of."""
+    return next(n for n in count() if f"v{n + 1}" not in names)
+
+
+def model_from(numbers: Mapping[str, Any]) -> Model:
+    """Return `Parameters` or an `Oscillator` from numbers by the names of `Model.numbers`."""
+    if set(numbers) == set(PARAMETER_NAMES):
+        return Parameters(**numbers)
+    belts = []
+    for n in range(1, belts_named(numbers) + 1):
+        own = {name: numbers[f"{name}{n}"] for name in BELT_NAMES if f"{name}{n}" in numbers}
+        try:
+            belts.append(Belt(**own))
+        except ParameterError as error:
+            raise ParameterError(f"{error.name}{n}", error.value, error.allowed) from None
+    shared = {name: numbers[name] for name in OSCILLATOR_NAMES if name in numbers}
+    return Oscillator(**shared, belts=belts)
+
+
+def _read_belts(belts: Any) -> tuple[Belt, ...]:
+    """Return belts in order of their speeds."""
+    if isinstance(belts, Belt):
+        belts = (belts,)
+    require(sequence_of(Belt), belts=belts)
+    if not belts:
+        raise ParameterError("belts", belts, "must have at least one Belt")
+    in_order = tuple(sorted(belts, key=lambda belt: belt.v))
+    for n, (lower, upper) in enumerate(pairwise(in_order), 1):
+        if lower.v == upper.v:
+            raise ParameterError(
+                "belts",
+                upper,
+                f"belts {n} and {n + 1} both have the speed {show(upper.v)}; make them one belt, "
+                "with the sum of their coefficients",
+            )
+    return in_order
+
+
+def out_of_reach(
+    slowest: Fraction, speeds: Fraction, forces: Fraction, *, m: Fraction, c: Fraction, k: Fraction,
+    B0: Fraction, Omega: Fraction,
+) -> Fraction:  # fmt: skip
+    """Return the speed, far above `slowest`, of a belt that a mass never meets.
+
+    `speeds` and `forces` are sums of all that the mass is subject to.
+    """
+    # The rate of the drive or, if there is none, of the free motion.
+    if B0 == 0 and k > 0:
+        pace = Fraction(sqrt(k / m))
+    elif B0 == 0 and c > 0:
+        pace = c / m
+    else:
+        pace = Omega
+    reached = forces / (m * pace) + speeds
+    return slowest + FAR * Fraction(10) ** power_of_ten(reached or Fraction(1))
 
 
 def _source(text: str) -> str:

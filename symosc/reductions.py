@@ -27,9 +27,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from symosc.base.aliases import Number, NumberLike
 from symosc.base.arguments import ARRAY_LIKE, FLAG, NUMBER, public, require, require_or_none
 from symosc.base.errors import ParameterError, meant
-from symosc.base.exact import power_of_ten, read_exact, show, unmasked
+from symosc.base.exact import read_exact, show, unmasked
 from symosc.base.quantities import half_unit, read_number, rounded
-from symosc.model import Parameters
+from symosc.model import Parameters, out_of_reach
 
 if TYPE_CHECKING:  # scenes are read without numpy
     import numpy as np
@@ -40,9 +40,6 @@ DIGITS = 80
 PI = Fraction(
     "3.1415926535897932384626433832795028841971693993751058209749445923078164062862089986280348253421170680"
 )
-#: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in
-#: the time 1/Omega or, without a drive, in the time that the free motion takes.
-FAR = 10**6
 #: Numbers, or half-widths, of t0, x0 and v0.
 Three = tuple[Fraction, Fraction, Fraction]
 
@@ -295,21 +292,13 @@ class OtherModel:
         v2 = self.v2
         if v2 is None and self.m > 0:
             forces = abs(A0) + abs(B0) + abs(self.mu1 * FN)
-            gained = forces / (self.m * self._pace(B0))
-            speeds = gained + abs(self.v1) + self.shift.bound()
-            v2 = self.v1 + FAR * Fraction(10) ** power_of_ten(speeds or Fraction(1))
+            speeds = abs(self.v1) + self.shift.bound()
+            own = {name: getattr(self, name) for name in ("m", "c", "k", "Omega")}
+            v2 = out_of_reach(self.v1, speeds, forces, **own, B0=B0)
         unchanged = {
             name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")
         }
         return Parameters(**unchanged, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
-
-    def _pace(self, B0: Fraction) -> Fraction:
-        """Return the rate of the drive `B0` or, if there is none, of the free motion."""
-        if B0 == 0 and self.k > 0:
-            return Fraction(math.sqrt(self.k / self.m))
-        if B0 == 0 and self.c > 0:
-            return self.c / self.m
-        return self.Omega
 
     @public
     def replace(self, **changes: NumberLike | bool | None) -> OtherModel:

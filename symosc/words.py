@@ -124,7 +124,10 @@ class Word(NamedTuple):
         return tuple(sides)
 
     def __str__(self) -> str:
-        return "P" + "".join(label[1] for label in reversed(self.labels))
+        in_text = self.labels[::-1]
+        if all(label[0] == "P" for label in in_text):
+            return "P" + "".join(label[1] for label in in_text)
+        return "∘".join(in_text)  # of another number of belts than two
 
 
 def first_of_cycle(labels: Sequence[str]) -> int:

@@ -9,7 +9,7 @@ from itertools import pairwise
 import pytest
 
 from symosc import Parameters
-from symosc.friction import MAPS, MODE_NAMES, NEIGHBOURS, Belt, FrictionLaw, geometry
+from symosc.friction import MAPS, MODE_NAMES, NEIGHBOURS, BeltNumbers, FrictionLaw, geometry
 from symosc.kernels.theorem7_cases import PLACES
 
 #: Eqs. (10) to (17): superscript and belt of the planes where a mapping starts and ends, its domain.
@@ -69,7 +69,7 @@ def test_forces_are_those_of_each_belt_alone() -> None:
     for _ in range(50):
         count = rng.randint(1, 5)
         speeds = sorted(rng.sample(range(-20, 20), count))
-        belts = [Belt(Fraction(v), Fraction(rng.randint(0, 9), 10)) for v in speeds]
+        belts = [BeltNumbers(Fraction(v), Fraction(rng.randint(0, 9), 10)) for v in speeds]
         law = FrictionLaw(belts, Fraction(rng.randint(0, 30), 7))
         inside = [
             speeds[0] - 1,
@@ -80,7 +80,7 @@ def test_forces_are_those_of_each_belt_alone() -> None:
             pushes = sum(belt.mu * law.FN * (1 if belt.v > v else -1) for belt in belts)
             assert law.force(domain) == pushes
         assert [law.force(b) - law.force(b + 1) for b in range(1, count + 1)] == [
-            2 * law.holding(b) for b in range(1, count + 1)
+            2 * law.kinetic(b) for b in range(1, count + 1)
         ]
 
 

@@ -46,6 +46,10 @@ QUANTITIES = {
     "mu1": Quantity("friction coefficient of belt 1", "1", r"\mu_1", ">= 0"),
     "mu2": Quantity("friction coefficient of belt 2", "1", r"\mu_2", ">= 0"),
     "FN": Quantity("normal force", "force", "F_N", ">= 0"),
+    # of any belt (`symosc.model.Belt`)
+    "v": Quantity("speed of a belt", "length/time", "v"),
+    "mu": Quantity("kinetic coefficient of friction", "1", r"\mu", ">= 0"),
+    "mu_s": Quantity("static coefficient of friction", "1", r"\mu_s", ">= 0"),
     "t0": Quantity("start time", "time", "t_0"),
     "x0": Quantity("start position", "length", "x_0"),
     "v0": Quantity("start velocity", "length/time", "v_0"),

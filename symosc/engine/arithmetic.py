@@ -43,7 +43,7 @@ from symosc.engine.state import TUPLES_IN_FOLLOWED, Followed, NextEvent, State
 from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
 from symosc.kernels.compiling import compile_modules, is_compiled
 from symosc.kernels.rebind import bind, functions_of, outlined_in
-from symosc.model import Parameters
+from symosc.model import Model
 
 SOURCES = (_generated, entire, state, flow, first_exit, next_event, events, batch)
 # Summaries are of doubles only.
@@ -116,7 +116,7 @@ class Arithmetic:
     rounded: Callable[[Number], Number] = staticmethod(float)  # rounds an mpf of any precision
     namespace = IN_DOUBLES
 
-    def __init__(self, parameters: Parameters) -> None:
+    def __init__(self, parameters: Model) -> None:
         self.parameters = parameters
         self.K = _float_constants(parameters)
 
@@ -144,7 +144,7 @@ class Arithmetic:
 
 
 @lru_cache(maxsize=1024)
-def _float_constants(parameters: Parameters) -> Constants:
+def _float_constants(parameters: Model) -> Constants:
     """Return the constants of `parameters` as floats, from a cache: to derive them exactly takes
     long.
     """
@@ -254,7 +254,7 @@ class MpArithmetic(Arithmetic):
     # correctly, so results differ, if at all, in the last bits of a sine. With `fast` False all is
     # done by mpmath, also the search for events.
 
-    def __init__(self, parameters: Parameters, digits: int, fast: bool = True) -> None:
+    def __init__(self, parameters: Model, digits: int, fast: bool = True) -> None:
         from symosc.kernels.multiprecision import BasisMP
 
         context = mp_context(digits)
@@ -387,7 +387,7 @@ class MpArithmetic(Arithmetic):
 
 
 @lru_cache(maxsize=64)
-def many_digits(parameters: Parameters, digits: int) -> MpArithmetic:
+def many_digits(parameters: Model, digits: int) -> MpArithmetic:
     """Return the arithmetic with `digits` decimal digits, from a cache: its constants take long to
     derive.
     """
@@ -529,7 +529,7 @@ def pairs_as_complex(value: Any) -> Any:
 
 
 @lru_cache(maxsize=1024)
-def pair_constants(parameters: Parameters) -> Constants:
+def pair_constants(parameters: Model) -> Constants:
     """Return the constants as pairs, each stored as a complex number hi + i lo and rounded once,
     from 50 digits.
     """

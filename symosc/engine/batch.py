@@ -23,7 +23,7 @@ import numpy as np
 
 from symosc.base.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
-from symosc.engine.flow import belt_forces, clock_time, constant_force
+from symosc.engine.flow import belt_at, belt_forces, clock_time, constant_force, held_forces
 from symosc.engine.next_event import advance, advance_near, free_time, time_with_errors
 from symosc.engine.state import (
     END,
@@ -466,10 +466,7 @@ def first_pairs(pairs, K):
         x = float(row.x)
         v = float(row.v)
         if at > 0:  # to the last bit
-            if at == 1:
-                v = K.belt1.v
-            else:
-                v = K.belt2.v
+            v = belt_at(at, K).v
         s = sin(theta)
         c = cos(theta)
         row.v = v
@@ -477,7 +474,9 @@ def first_pairs(pairs, K):
         row.c = c
         F = acceleration(x, v, c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
         if mode > ON_BELT:
+            belt = belt_at(at, K)
             below, above = belt_forces(at, x, c, K)
+            below, above = held_forces(below, above, belt)
             row.Fb = below
             row.Fa = above
         else:

@@ -36,7 +36,7 @@ from symosc.kernels.pair_columns import (
     sign,
 )
 from symosc.kernels.rebind import outlined
-from symosc.model import OtherNumbers, Parameters
+from symosc.model import Model, OtherNumbers
 
 # Steady state and transient are separated (in bounds, and in the closed form) when |i Omega - l1|
 # |i Omega - l2| is at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow
@@ -74,8 +74,10 @@ class BeltConstants(NamedTuple):
     Along it both forces F obey m dF/dt = -(k v + B0 Omega sin(theta)).
     """
 
-    v: Number  # speed of the belt
+    v: Number  # speed of the belt; infinite where there is no such belt
     J: Number  # F^(below) - F^(above) = 2 mu FN/m
+    E: Number  # by how much static friction exceeds kinetic friction: (mu_s - mu) FN/m
+    hold: Number  # J + 2 E, the width of the range of forces that hold the mass
     drift: Number  # -(k/m) v, the mean slope of both forces
     turns: bool  # whether the slope changes sign, at sin(theta) = s_cr
     s_cr: Number
@@ -172,7 +174,7 @@ ROW = _row_type(Constants)
 
 
 def constants(
-    parameters: Parameters,
+    parameters: Model,
     number: Callable[[Any], Number] = float,
     root: Callable[[Number], Number] = sqrt,
     angle: Callable[[Number, Number], Number] = atan2,
@@ -263,9 +265,9 @@ def constants(
         slow_drive=rate0 > SLOW_DRIVE * beat,
         stiff=steady & over & (-fast > STIFF * larger(-slow, number(pull))),
         steady=steady,
-        A1=number(parameters.A(1) / m),
-        A2=number(parameters.A(2) / m),
-        A3=number(parameters.A(3) / m),
+        A1=number((parameters.A0 + parameters.law.force(1)) / m),
+        A2=number((parameters.A0 + parameters.law.force(2)) / m),
+        A3=number((parameters.A0 + parameters.law.force(3)) / m),
         V0=either(steady, abs(number(drive)) / root(response), zero),
         Ss=number(-drive * p) / response,
         Sc=number(drive * q) / response,
@@ -327,17 +329,22 @@ def _period_rest(period: float, Om: float) -> Fraction:
 
 
 def _belt_constants(
-    parameters: Parameters, boundary: int, number: Any, root: Any, angle: Any
+    parameters: Model, boundary: int, number: Any, root: Any, angle: Any
 ) -> BeltConstants:
     """Return the constants of a stick on belt 1 or 2.
 
     `number`, `root`, `angle` are as in `constants`.
     """
-    v = parameters.belt(boundary)
-    J = 2 * parameters.friction(boundary) / parameters.m
+    law = parameters.law
+    if boundary > len(law.belts):
+        return no_belt(number)
+    v = law.belts[boundary - 1].v
+    J = 2 * law.kinetic(boundary) / parameters.m
+    E = law.excess(boundary) / parameters.m
     # Signs, as the forces themselves may be too small for a double.
     below, above = (
-        number(sign(parameters.A(domain) - parameters.c * v)) for domain in (boundary, boundary + 1)
+        number(sign(parameters.A0 + law.force(domain) - parameters.c * v))
+        for domain in (boundary, boundary + 1)
     )
     pull = -parameters.k * v
     drive = parameters.B0 * parameters.Omega
@@ -348,6 +355,8 @@ def _belt_constants(
     return BeltConstants(
         v=number(v),
         J=number(J),
+        E=number(E),
+        hold=number(J + 2 * E),
         drift=number(pull / parameters.m),
         turns=turns,
         s_cr=s_cr,
@@ -355,6 +364,27 @@ def _belt_constants(
         angle=angle(s_cr, c_cr),
         limit_below=below,
         limit_above=above,
+    )
+
+
+def no_belt(number: Callable[[Any], Number]) -> BeltConstants:
+    """Return the constants in place of a second belt where there is one belt: it is out of reach at
+    any velocity.
+    """
+    zero = number(Fraction(0))
+    one = number(Fraction(1))
+    return BeltConstants(
+        v=inf + zero,
+        J=zero,
+        E=zero,
+        hold=zero,
+        drift=zero,
+        turns=False,
+        s_cr=zero,
+        c_cr=one,
+        angle=zero,
+        limit_below=zero,
+        limit_above=zero,
     )
 
 
@@ -442,14 +472,25 @@ def constant_force(domain, K):
     return select(domain == 1, K.A1, select(domain == 2, K.A2, K.A3))
 
 
+def belt_at(boundary, K):
+    """Return the constants of the belt at a boundary, which is its number."""
+    if boundary == 1:
+        return K.belt1
+    return K.belt2
+
+
+def held_forces(below, above, belt):
+    """Return the forces that decide whether a belt holds the mass, from the accelerations on both
+    sides: both are 0 or beyond where static friction no longer suffices.
+    """
+    return below + belt.E, above - belt.E
+
+
 def belt_forces(boundary, x, c, K):
     """Return F^(below) and F^(above), the accelerations on both sides of a belt, at `x` and the
     cosine `c`.
     """
-    if boundary == 1:
-        v = K.belt1.v
-    else:
-        v = K.belt2.v
+    v = belt_at(boundary, K).v
     below = acceleration(x, v, c, constant_force(boundary, K), K.cm, K.w0sq, K.f0)
     return below, acceleration(x, v, c, constant_force(boundary + 1, K), K.cm, K.w0sq, K.f0)
 

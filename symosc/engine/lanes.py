@@ -70,6 +70,7 @@ from symosc.engine.flow import (
     constant_force,
     corrected,
     derivatives,
+    held_forces,
 )
 from symosc.engine.next_event import (
     NEAR_FORCE,
@@ -78,6 +79,7 @@ from symosc.engine.next_event import (
     TWO_PI_REST,
     advance_time,
     carried_error,
+    error_after_slip,
     flight_noise,
     in_two_parts,
     passes_at_once,
@@ -156,13 +158,15 @@ def belts(boundary, K):
     belt2 = K.belt2
     v = select(first, belt1.v, belt2.v)
     J = select(first, belt1.J, belt2.J)
+    E = select(first, belt1.E, belt2.E)
+    hold = select(first, belt1.hold, belt2.hold)
     drift = select(first, belt1.drift, belt2.drift)
     turns = select(first, belt1.turns, belt2.turns) != 0.0
     s_cr = select(first, belt1.s_cr, belt2.s_cr)
     c_cr = select(first, belt1.c_cr, belt2.c_cr)
     angle = select(first, belt1.angle, belt2.angle)
     # Lanes do not ask for the two limits: v stands in their fields.
-    return BeltConstants(v, J, drift, turns, s_cr, c_cr, angle, v, v)
+    return BeltConstants(v, J, E, hold, drift, turns, s_cr, c_cr, angle, v, v)
 
 
 def suits_lanes(K):
@@ -245,22 +249,23 @@ def fly(state, remaining, K):
     good = good & ~late & passes_at_once(sqrt(S.S22), abs(F), G1, G2) & ~vague
     Fb = select(upward, F, F + belt.J)
     Fa = select(upward, F - belt.J, F)
-    far_force = select(upward, Fa, Fb)
-    small = good & (abs(far_force) < NEAR_FORCE * belt.J)
+    held_below, held_above = held_forces(Fb, Fa, belt)
+    far_force = select(upward, held_above, held_below)
+    small = good & (abs(far_force) < NEAR_FORCE * belt.hold)
     if any_of(small):
         noise = force_noise(F, tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(S.S22)
         good = good & ~(small & (abs(far_force) <= noise))
-    rises = Fa > 0.0
-    sticks = (Fa < 0.0) & (Fb > 0.0)
+    rises = held_above > 0.0
+    sticks = (held_above < 0.0) & (held_below > 0.0)
     target = select(rises, boundary + 1.0, boundary)
-    good = good & (rises | sticks | (Fb < 0.0)) & (sticks | (target != mode))
+    good = good & (rises | sticks | (held_below < 0.0)) & (sticks | (target != mode))
     out = select(rises, Fa, Fb)
     ratio = select(sticks, 0.0, out / F)
     S12 = ratio * S.S12
     S22 = ratio * ratio * S.S22
     S = Covariance(S.S11, select(sticks, 0.0 * S.S12, S12), select(sticks, 0.0 * S.S22, S22))
-    Fb = select(sticks, Fb, out)
-    Fa = select(sticks, Fa, out)
+    Fb = select(sticks, held_below, out)
+    Fa = select(sticks, held_above, out)
     mode = select(sticks, ON_BELT + boundary, target)
     after = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
     return good, select(sticks, STICK, CROSS), boundary, t_error, after
@@ -491,12 +496,20 @@ def slip(state, remaining, K):
     x = x + v * tau
     late, n, theta, theta_low, s, c = advance_phases(n, theta, theta_low, s, c, tau, K)
     t, t_low = advance_time(t, t_low, tau, K)
-    target = select(side < 0.0, boundary, boundary + 1.0)
-    terms = abs(constant_force(target, K)) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
-    force_error = K.w0sq * sqrt(S.S11) + EPS * (abs(belt.drift) * tau + terms)
+    down = side < 0.0
+    target = select(down, boundary, boundary + 1.0)
+    F = select(down, zero - belt.E, zero + belt.E)
+    terms = abs(constant_force(target, K)) + belt.hold + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
+    x_force = K.w0sq * sqrt(S.S11)
+    force_error = x_force + EPS * (abs(belt.drift) * tau + terms)
     good = good & ~late & passes_at_once(force_error, abs(slope), bend, K.fB * K.Om * K.Om)
-    after = State(target, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
-    return good, SLIP + zero, boundary, force_error / abs(slope), after
+    t_error = force_error / abs(slope)
+    jumps = belt.E > 0.0
+    if any_of(good & jumps):
+        jumped = error_after_slip(S, x_force / force_error, belt.E * t_error)
+        S = Covariance(S.S11, select(jumps, jumped.S12, S.S12), select(jumps, jumped.S22, S.S22))
+    after = State(target, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
+    return good, SLIP + zero, boundary, t_error, after
 
 
 def end_of_stick(held, belt, K):

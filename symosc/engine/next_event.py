@@ -6,13 +6,18 @@ This file is executed with other globals: see symosc/kernels/rebind.py.
 At a point of the boundary with domain `below` and domain `above` (n = (0, 1), so that G^(0) is the
 acceleration)
 
-- stick (Theorem 4) iff F^(below) > 0 > F^(above);
-- passing (Theorem 5) iff both forces have one sign: upward if positive, downward if negative;
+- stick (Theorem 4) iff F^(below) + E > 0 > F^(above) - E, where E is what static friction adds to
+  kinetic friction (0 in the paper);
+- passing (Theorem 5) iff these two have one sign: upward if positive, downward if negative;
 - where a force vanishes, the sign of its first G-function that does not vanish takes its place
   (Luo): it is the sign that the force has immediately afterwards.
 
 A tangency from below (Theorem 6) has F^(below) = 0 and a negative first G-function of odd order,
-one from above a positive one.
+one from above a positive one. Where E > 0 it lies inside the range of forces that hold the mass: a
+graze of such a belt is the onset of a stick.
+
+During a stick the state has F^(below) + E and F^(above) - E for forces (`held_forces`), in a flight
+the acceleration: it begins with E, or -E, behind a stick.
 
 A flight has no end if it meets no belt any more. Three arguments show that, each for all times to
 come:
@@ -38,7 +43,7 @@ mpmath numbers.
 
 from __future__ import annotations
 
-from math import acos, sqrt
+from math import acos, inf, sqrt
 
 from symosc.engine.first_exit import (
     MARCH_SLACK,
@@ -53,9 +58,11 @@ from symosc.engine.first_exit import (
     slip_near,
 )
 from symosc.engine.flow import (
+    belt_at,
     clock_time,
     constant_force,
     derivatives,
+    held_forces,
     sine_and_cosine,
     speeds_around,
     state_at,
@@ -113,6 +120,8 @@ G_ROUNDING = 32.0
 # exceed (`symosc.engine.flow.SIGMAS`), and within this part of the time, which rounding takes.
 SEARCH_SIGMAS = 16.0
 TIME_ROUNDING = 2.0**-50
+# Errors of x and v behind a slip are correlated but for this part of the variance.
+UNCORRELATED = 2.0**-20
 # A flight without an event is taken over from doubles if its search was not made longer
 # (`apart_from_walls`).
 USUAL_LENGTH = 1.0625
@@ -133,10 +142,7 @@ def advance(state, t_end, t_end_low, K):
     else:
         tau_max = K.chunk
     if state.mode > ON_BELT:
-        if state.mode == ON_BELT + 1:
-            belt = K.belt1
-        else:
-            belt = K.belt2
+        belt = belt_at(state.mode - ON_BELT, K)
         return after_stick(state, belt_exit(tau_max, state, belt, K), remaining, K)
     if K.creeps and creeps_for_ever(state, K):
         return NextEvent(REST, 0, True, 0.0, state)
@@ -159,7 +165,8 @@ def launched(state, K):
     at = state.at
     v = state.v
     lower, upper = speeds_around(mode, K)
-    walls = Walls(v - lower, upper - v, mode > 1, mode < 3, at > 0 and at == mode - 1, at == mode)
+    on_below = at > 0 and at == mode - 1
+    walls = Walls(v - lower, upper - v, lower > -inf, upper < inf, on_below, at == mode)
     return Launch(v, state.Fb, state.s, state.c), walls
 
 
@@ -225,10 +232,7 @@ def after_flight(state, end, start, remaining, K):
         boundary = mode - 1
     else:
         boundary = mode
-    if boundary == 1:
-        v = K.belt1.v
-    else:
-        v = K.belt2.v
+    v = belt_at(boundary, K).v
     if code == STALLED:
         there = State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
         return NextEvent(FAILED, boundary, False, 0.0, there)
@@ -315,10 +319,7 @@ def creeps_for_ever(state, K):
     terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
     if mode > 1:
-        if mode == 2:
-            lower = K.belt1
-        else:
-            lower = K.belt2
+        lower = belt_at(mode - 1, K)
         if K.w0 == 0.0:
             kept = lower.limit_above >= 0.0
         else:
@@ -327,11 +328,8 @@ def creeps_for_ever(state, K):
         kept = kept or (v == lower.v and F == 0.0 and lower.drift > 0.0)
         if not kept or lower.drift < 0.0:
             return False
-    if mode < 3:
-        if mode == 1:
-            upper = K.belt1
-        else:
-            upper = K.belt2
+    upper = belt_at(mode, K)
+    if mode < 3 and upper.v < inf:
         if K.w0 == 0.0:
             kept = upper.limit_below <= 0.0
         else:
@@ -351,10 +349,12 @@ def flight_noise(state, now, K):
     S = state.S
     speed = abs(v0) + velocity_scale(tau, v0, F0, K)
     reach = select(tau < K.swing, tau, K.swing)
-    # terms of the acceleration; behind a stick friction's jump was one of them
+    # terms of the acceleration; behind a stick the range of its forces was one of them
     forces = abs(F0) + abs(constant_force(state.mode, K)) + abs(K.f0)
-    jump = select(state.at == 1, K.belt1.J, K.belt2.J)
-    forces = forces + select((state.at > 0) & (F0 == 0.0), jump, 0.0 * jump)
+    first = state.at == 1
+    hold = select(first, K.belt1.hold, K.belt2.hold)
+    E = select(first, K.belt1.E, K.belt2.E)
+    forces = forces + select((state.at > 0) & (abs(F0) == E), hold, 0.0 * hold)
     x_noise = 1.25 * EPS * (abs(state.x) + (speed + forces * reach) * reach + abs(v0) * tau)
     # phase of the free oscillation, as far as it lasts
     turned = 0.5 * K.w0 * tau * (abs(now.E0) + K.w0 * abs(now.E1))
@@ -399,10 +399,7 @@ def meet_belt(there, end, v_noise, remaining, K):
     # from the start of the flight. A vague contact that is no touch is a triple root: the velocity
     # goes on through that of the belt, as far as friction lets it.
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
-    if boundary == 1:
-        belt = K.belt1
-    else:
-        belt = K.belt2
+    belt = belt_at(boundary, K)
     upward = end.side > 0
     now = end.now
     G1, G2, G3 = derivatives(v, F, now.s, now.c, K)
@@ -421,40 +418,44 @@ def meet_belt(there, end, v_noise, remaining, K):
     else:
         Fb = F + belt.J
         Fa = F
+    held_below, held_above = held_forces(Fb, Fa, belt)
     decided = not vague
     if upward:
-        far_force = Fa
+        far_force = held_above
     else:
-        far_force = Fb
-    small = abs(far_force) < NEAR_FORCE * belt.J
+        far_force = held_below
+    small = abs(far_force) < NEAR_FORCE * belt.hold
     if small and abs(far_force) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(
         S.S22
     ):
         decided = False
         if upward:
-            Fa = 0.0 * Fa
+            held_above = 0.0 * held_above
+            Fa = belt.E + held_above
         else:
-            Fb = 0.0 * Fb
+            held_below = 0.0 * held_below
+            Fb = held_below - belt.E
     if vague:
-        if belt.J > 0.0:
+        if belt.hold > 0.0:
             where = BELT
         elif upward:
             where = DOMAIN_ABOVE
         else:
             where = DOMAIN_BELOW
-    elif Fa > 0.0:
+    elif held_above > 0.0:
         where = DOMAIN_ABOVE
-    elif Fb > 0.0 and Fa < 0.0:
+    elif held_below > 0.0 and held_above < 0.0:
         where = BELT
-    elif Fb < 0.0:
+    elif held_below < 0.0:
         where = DOMAIN_BELOW
     else:
-        where = resolve(v, Fb, Fa, now.s, now.c, K)
+        where = resolve(v, held_below, held_above, now.s, now.c, K)
     if where == BELT:
         # The belt takes the error of the velocity away.
         S = Covariance(S.S11, 0.0 * S.S12, 0.0 * S.S22)
+        mode = ON_BELT + boundary
         held = State(
-            ON_BELT + boundary, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low
+            mode, boundary, n, theta, x, v, held_below, held_above, S, t, t_low, s, c, theta_low
         )
         return NextEvent(STICK, boundary, decided, t_error, held)
     if where == DOMAIN_ABOVE:
@@ -479,7 +480,8 @@ def meet_belt(there, end, v_noise, remaining, K):
 
 @outlined
 def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
-    """Return the NextEvent of a graze in state `there`, at `tau` after launch.
+    """Return the NextEvent of a touch in state `there`, at `tau` after launch: a graze or, if
+    static friction holds the mass, a stick.
 
     G1 to G3 are v'' to v'''' there.
     """
@@ -492,13 +494,23 @@ def graze_belt(there, G1, G2, G3, v_noise, tau, remaining, K):
         t, t_low = advance_time(t, t_low, shift, K)
         s, c = sine_and_cosine(theta, theta_low)
     t_error = passing_time(K.rate * (sqrt(S.S22) + v_noise), G1, G2, G3, K)
-    # a touch that may be anywhere in the flight is none
-    if t_error < tau:
-        code = GRAZE
-    else:
-        code = FAILED
     F = 0.0 * F
-    touched = State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
+    Fb = F
+    Fa = F
+    belt = belt_at(boundary, K)
+    if not t_error < tau:  # a touch that may be anywhere in the flight is none
+        code = FAILED
+    elif belt.E > 0.0:
+        code = STICK
+        if mode == boundary:  # from below
+            Fb, Fa = held_forces(F, F - belt.J, belt)
+        else:
+            Fb, Fa = held_forces(F + belt.J, F, belt)
+        mode = ON_BELT + boundary
+        S = Covariance(S.S11, 0.0 * S.S12, 0.0 * S.S22)
+    else:
+        code = GRAZE
+    touched = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
     return NextEvent(code, boundary, False, t_error, touched)
 
 
@@ -507,7 +519,8 @@ def resolve(v, F_below, F_above, s, c, K):
     """Return where a motion goes on from a belt: DOMAIN_BELOW, BELT or DOMAIN_ABOVE (Theorems 4,
     5).
     """
-    # F_below - F_above = 2 mu FN/m >= 0 always, so the flow cannot leave on both sides at once.
+    # F_below and F_above are those of `held_forces`. F_below >= F_above always, so the flow cannot
+    # leave on both sides at once.
     if following_sign(v, F_above, s, c, K) > 0:
         return DOMAIN_ABOVE
     if following_sign(v, F_below, s, c, K) < 0:
@@ -557,10 +570,7 @@ def after_stick(state, end, remaining, K):
     mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, _, _, theta_low = state
     boundary = mode - ON_BELT
     zero = 0.0 * Fb
-    if boundary == 1:
-        belt = K.belt1
-    else:
-        belt = K.belt2
+    belt = belt_at(boundary, K)
     code, side, tau, Delta, slope, bend, s, c = end
     if tau > remaining and code in (HIT, TANGENCY):
         code = NOTHING
@@ -588,9 +598,9 @@ def after_stick(state, end, remaining, K):
     if code != HIT:  # undecided: the force that may end the stick is set to 0
         if side < 0:
             Fb = zero
-            Fa = -belt.J
+            Fa = -belt.hold
         else:
-            Fb = belt.J
+            Fb = belt.hold
             Fa = zero
         held = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
         return NextEvent(
@@ -602,13 +612,32 @@ def after_stick(state, end, remaining, K):
         )
     if side < 0:
         target = boundary
+        F = zero - belt.E
     else:
         target = boundary + 1
-    terms = abs(constant_force(target, K)) + belt.J + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
-    force_error = K.w0sq * sqrt(S.S11) + EPS * (abs(belt.drift) * tau + terms)
+        F = zero + belt.E
+    terms = abs(constant_force(target, K)) + belt.hold + abs(K.w0sq * x) + abs(K.cm * v) + abs(K.f0)
+    x_force = K.w0sq * sqrt(S.S11)
+    force_error = x_force + EPS * (abs(belt.drift) * tau + terms)
     t_error = passing_time(force_error, slope, bend, K.fB * K.Om * K.Om, K)
-    slipped = State(target, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
+    if belt.E > 0.0:
+        S = error_after_slip(S, x_force / force_error, belt.E * t_error)
+    slipped = State(target, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
     return NextEvent(SLIP, boundary, True, t_error, slipped)
+
+
+@outlined
+def error_after_slip(S, part, v_error):
+    """Return the covariance of x and v behind a slip that begins with an acceleration E > 0.
+
+    A change dx moves the slip by dt = (k/m) dx/|slope|, and so the velocity at a fixed time by
+    -E dt, on either side. `v_error` is E times the error of the slip's time, and `part` is what
+    that of x has in it.
+    """
+    # A little more than S12^2/S11, as the determinant must not get below 0 by rounding.
+    variance = v_error * v_error
+    S22 = variance + UNCORRELATED * variance
+    return Covariance(S.S11, S.S12 - part * v_error * sqrt(S.S11), S22)
 
 
 # --- phase and time ---
@@ -741,10 +770,7 @@ def advance_near(state, rough, rough_event, free, t_end, t_end_low, K):
     uncertainty = SEARCH_SIGMAS * t_error + TIME_ROUNDING * tau
     tau = 0.0 * remaining + tau  # as a number of the same kind
     if decided and code == SLIP:
-        if boundary == 1:
-            belt = K.belt1
-        else:
-            belt = K.belt2
+        belt = belt_at(boundary, K)
         slip = slip_near(tau, uncertainty, -1 if there.mode == boundary else 1, state, belt, K)
         if slip.code == HIT:
             return after_stick(state, slip, remaining, K)

@@ -19,11 +19,19 @@ from symosc.base.exact import power_of_ten
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions
 from symosc.engine.batch import rounded_covariance, row_of
 from symosc.engine.first_exit import ROUNDING
-from symosc.engine.flow import Constants, belt_forces, constant_force, constants, corrected
+from symosc.engine.flow import (
+    Constants,
+    belt_at,
+    belt_forces,
+    constant_force,
+    constants,
+    corrected,
+    held_forces,
+)
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, STATE_ROW, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
-from symosc.model import Parameters, by_name
+from symosc.model import Model
 
 #: Sine and cosine of a phase.
 Phase: TypeAlias = tuple[Number, Number]
@@ -47,7 +55,7 @@ class Start:
     `start_error` holds the half-widths of t0, x0 and v0 (None: exact).
     """
 
-    parameters: Parameters
+    parameters: Model
     t0: Fraction
     x0: Fraction
     v0: Fraction
@@ -60,39 +68,36 @@ class Start:
 
     @property
     def spare_digits(self) -> int:
-        """The number of digits beyond the usual that resolve v0 - v1, v0 - v2 and the errors of the
-        start.
+        """The number of digits beyond the usual that resolve the gaps from v0 to the belts, and the
+        errors of the start.
         """
-        p = self.parameters
-        small = [
-            abs(value)
-            for value in (*(self.start_error or ()), self.v0 - p.v1, self.v0 - p.v2)
-            if value != 0
-        ]
-        return max(0, *(power_of_ten(1 / value) for value in small))
+        gaps = [self.v0 - belt.v for belt in self.parameters.law.belts]
+        small = [abs(value) for value in (*(self.start_error or ()), *gaps) if value != 0]
+        return max([0, *(power_of_ten(1 / value) for value in small)])
 
 
 class BeltStart(NamedTuple):
-    """How a motion goes on from a point of a belt (Theorems 4 and 5): its mode, and both
-    accelerations.
+    """How a motion goes on from a point of a belt (Theorems 4 and 5): its mode, and the forces that
+    decided it.
     """
 
     boundary: int
     mode: int  # in which it goes on
-    below: Number  # the accelerations F^(below) and F^(above)
+    below: Number  # F^(below) + E and F^(above) - E
     above: Number
+    E: Number
 
     @property
     def forces(self) -> tuple[Number, Number]:
-        """Both accelerations in the first state: those on either side in a stick, else one value
-        for both.
+        """Both forces in the first state: those that hold the mass in a stick, else the
+        acceleration twice.
         """
         if self.mode > ON_BELT:
             return self.below, self.above
         if self.mode > self.boundary:
-            force = self.above
+            force = self.above + self.E
         else:
-            force = self.below
+            force = self.below - self.E
         return force, force
 
 
@@ -106,17 +111,17 @@ def belt_start(
     # A force that is not larger than `allowed` is 0: then its first G-function that does not vanish
     # decides.
     K = arithmetic.K
-    v = (K.belt1 if boundary == 1 else K.belt2).v
+    belt = belt_at(boundary, K)
     (s, c) = phase
-    below, above = (
-        0 * force if abs(force) <= allowed else force for force in belt_forces(boundary, x, c, K)
-    )
-    where = arithmetic.namespace["resolve"](v, below, above, s, c, K)
+    below, above = belt_forces(boundary, x, c, K)
+    forces = held_forces(below, above, belt)
+    below, above = (0 * force if abs(force) <= allowed else force for force in forces)
+    where = arithmetic.namespace["resolve"](belt.v, below, above, s, c, K)
     if where == BELT:
         mode = ON_BELT + boundary
     else:
         mode = boundary + (where == DOMAIN_ABOVE)
-    return BeltStart(boundary, mode, below, above)
+    return BeltStart(boundary, mode, below, above, belt.E)
 
 
 def belt_state(
@@ -130,7 +135,7 @@ def belt_state(
     """Return the State at time 0 of a start on a belt, from `clock` (periods, theta) and `phase`
     (sine, cosine).
     """
-    v = (K.belt1 if start.boundary == 1 else K.belt2).v
+    v = belt_at(start.boundary, K).v
     zero = 0 * x
     return State(
         start.mode, start.boundary, *clock, x, v, *start.forces, S, zero, zero, *phase, zero
@@ -158,13 +163,17 @@ def start_rows(
         s, c = corrected(s, c, theta_low)
     A_below, A_above = (np.choose(n - 1, [K.A1, K.A2, K.A3]) for n in (mode, mode + (at > 0)))
     below, above = (acceleration(x, v, c, A, K.cm, K.w0sq, K.f0) for A in (A_below, A_above))
+    E = np.where(at > 0, np.where(at == 1, K.belt1.E, K.belt2.E), 0.0)
+    held_below = below + E
+    held_above = above - E
     terms = np.maximum(abs(A_below), abs(A_above)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
-    unclear = (at > 0) & (np.minimum(abs(below), abs(above)) <= CLEAR_FORCE * terms)
-    up = (at > 0) & (above > 0.0)
-    down = (at > 0) & (below < 0.0)
+    small = np.minimum(abs(held_below), abs(held_above)) <= CLEAR_FORCE * (terms + E)
+    unclear = (at > 0) & small
+    up = (at > 0) & (held_above > 0.0)
+    down = (at > 0) & (held_below < 0.0)
     held = (at > 0) & ~up & ~down
-    Fb = np.where(up, above, below)
-    Fa = np.where(up | held, above, below)
+    Fb = np.where(up, above, np.where(held, held_below, below))
+    Fa = np.where(up, above, np.where(held, held_above, below))
     t, t_low, t_end, t_end_low, t0 = times
     # A start is known to its rounding; the velocity on a belt is exact.
     rows = np.empty(len(at), STATE_ROW)
@@ -192,9 +201,9 @@ def start_rows(
 
 def force_terms(boundary: int, x: Number, K: Constants) -> Number:
     """Return the size of the terms of the forces on a belt, the scale of their rounding errors."""
-    v = (K.belt1 if boundary == 1 else K.belt2).v
+    belt = belt_at(boundary, K)
     A = (constant_force(n, K) for n in (boundary, boundary + 1))
-    return max(map(abs, A)) + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * v)
+    return max(map(abs, A)) + belt.E + abs(K.f0) + abs(K.w0sq * x) + abs(K.cm * belt.v)
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
@@ -213,10 +222,9 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     v = number(start.v0)
     (theta, theta_low) = arithmetic.phase(start.t0)
     phase: Phase = arithmetic.namespace["sine_and_cosine"](theta, theta_low)
-    if start.v0 == p.v1:
-        at = 1
-    elif start.v0 == p.v2:
-        at = 2
+    speeds = [belt.v for belt in p.law.belts]
+    if start.v0 in speeds:
+        at = 1 + speeds.index(start.v0)
     else:
         at = 0
     if at:
@@ -224,18 +232,11 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         clear = CLEAR_FORCE * force_terms(at, x, K) + reach_of_error(start, arithmetic)
         if min(abs(begun.below), abs(begun.above)) <= clear:
             exact = _decided_start(start, at)
-            below = arithmetic.rounded(exact.below)
-            above = arithmetic.rounded(exact.above)
-            begun = exact._replace(below=below, above=above)
+            begun = BeltStart(exact.boundary, exact.mode, *map(arithmetic.rounded, exact[2:]))
         mode = begun.mode
         (Fb, Fa) = begun.forces
     else:
-        if start.v0 < p.v1:
-            mode = 1
-        elif start.v0 < p.v2:
-            mode = 2
-        else:
-            mode = 3
+        mode = 1 + sum(start.v0 > speed for speed in speeds)
         Fb = Fa = acceleration(x, v, phase[1], constant_force(mode, K), K.cm, K.w0sq, K.f0)
     S = Covariance((eps * x) * (eps * x), 0 * x, 0 * v if at else (eps * v) * (eps * v))
     if start.start_error:
@@ -262,7 +263,7 @@ def _decided_start(start: Start, boundary: int) -> BeltStart:
     force from 0.
     """
     p = start.parameters
-    numbers = [start.t0, start.x0, start.v0, *by_name(p).values()]
+    numbers = [start.t0, start.x0, start.v0, *p.numbers().values()]
     parts = (part for q in numbers for part in (q.numerator, q.denominator))
     digits = SPARE_DIGITS + sum(Decimal(part).adjusted() + 1 for part in parts)
     arithmetic = MpArithmetic(p, digits)
@@ -288,7 +289,7 @@ def last_time(start: Start, arithmetic: Arithmetic) -> tuple[Number, Number]:
     return arithmetic.time(start.t_end)
 
 
-def longest_span(parameters: Parameters) -> Fraction:
+def longest_span(parameters: Model) -> Fraction:
     """Return the longest time for which a motion is followed: MOST_PERIODS periods of the drive.
 
     Without a drive it is MOST_PERIODS times the time that one search for an event covers.
@@ -317,9 +318,10 @@ def is_steady(start: Start) -> bool:
         return False
     x = p.B0 * pull / size
     v = p.B0 * drag * p.Omega / size
+    domains = range(1, len(p.law.belts) + 2)
     if p.k == 0:
-        return p.c > 0 and any(start.v0 == v + p.A(domain) / p.c for domain in (1, 2, 3))
-    return start.v0 == v and any(start.x0 == x + p.A(domain) / p.k for domain in (1, 2, 3))
+        return p.c > 0 and any(start.v0 == v + p.A(domain) / p.c for domain in domains)
+    return start.v0 == v and any(start.x0 == x + p.A(domain) / p.k for domain in domains)
 
 
 def settles(start: Start) -> bool:
@@ -329,19 +331,20 @@ def settles(start: Start) -> bool:
     # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g, with
     # w = sqrt(square), follows from the squares of its two parts: all numbers stay rational.
     p = start.parameters
-    if p.B0 != 0 or start.start_error or start.v0 in (p.v1, p.v2):
+    speeds = [belt.v for belt in p.law.belts]
+    if p.B0 != 0 or start.start_error or start.v0 in speeds:
         return False
     h = p.c / (2 * p.m)
     square = h * h - p.k / p.m
-    domain = 1 + (start.v0 > p.v1) + (start.v0 > p.v2)
+    domain = 1 + sum(start.v0 > speed for speed in speeds)
     a = (p.A(domain) - p.k * start.x0 - p.c * start.v0) / p.m
     if a == 0 and start.v0 == 0:
         return True
     if square < 0:
         return False
     for boundary, side in ((domain - 1, 1), (domain, -1)):
-        if boundary in (1, 2):
-            v = p.belt(boundary)
+        if 1 <= boundary <= len(speeds):
+            v = speeds[boundary - 1]
             gap = side * (start.v0 - v)
             rational_part = side * a + h * gap  # of u; the other part is w * gap >= 0
             is_negative = rational_part < 0 and rational_part**2 > square * gap * gap
@@ -383,13 +386,15 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
     x = rounded(state.x)
     v = state.v
     if state.at:
-        v = (K.belt1 if state.at == 1 else K.belt2).v
+        v = belt_at(state.at, K).v
     else:
         v = rounded(v)
 
     def forces() -> tuple[Number, Number]:
         if state.mode > ON_BELT:
-            return belt_forces(state.at, x, phase[1], K)
+            belt = belt_at(state.at, K)
+            below, above = belt_forces(state.at, x, phase[1], K)
+            return held_forces(below, above, belt)
         return (
             acceleration(x, v, phase[1], constant_force(state.mode, K), K.cm, K.w0sq, K.f0),
         ) * 2

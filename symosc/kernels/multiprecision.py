@@ -20,7 +20,7 @@ from typing import Any
 
 from symosc.base.aliases import Context, Mpf, Number
 from symosc.kernels._generated import basis_apart
-from symosc.model import Parameters
+from symosc.model import Model
 
 
 @contextmanager
@@ -152,7 +152,7 @@ class BasisMP:
     # returns such a context with at least that many bits.
 
     def __init__(
-        self, context: Context, parameters: Parameters, more: Callable[[int], Context] = with_bits
+        self, context: Context, parameters: Model, more: Callable[[int], Context] = with_bits
     ) -> None:
         self.context = context
         self.h = parameters.c / (2 * parameters.m)

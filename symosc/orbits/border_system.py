@@ -135,7 +135,7 @@ class QuickArithmetic(Arithmetic):
     """
 
     def __init__(self, parameters: OtherNumbers) -> None:
-        self.K = constants(parameters)  # type: ignore[arg-type]  # from floats, which is faster than from fractions
+        self.K = constants(parameters)  # from floats, which is faster than from fractions
 
 
 class BorderSystem:

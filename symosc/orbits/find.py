@@ -42,7 +42,7 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike, parameters_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.problems import named
-from symosc.simulation.trajectory import MAP_LABELS
+from symosc.simulation.trajectory import map_labels
 from symosc.words import Word, WordError, WordLike, first_of_cycle, read_word
 
 # All switchings are solved for at once: much longer words would take minutes.
@@ -630,7 +630,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
             planes.append((belt_met, state.mode))
         if code in (END, REST, FAILED) or len(points) > most:
             break
-    labels = [MAP_LABELS.get((a, MODE_NAMES[mode], b)) for (a, mode), (b, _) in pairwise(planes)]
+    labels = [map_labels(2).get((a, MODE_NAMES[mode], b)) for (a, mode), (b, _) in pairwise(planes)]
     return Run(np.array(points), labels, planes[-1][1], code == REST)
 
 

@@ -412,7 +412,7 @@ def grazing_P2_caption(name: str) -> str:
     """Return the caption of Fig. 7 with the printed or another A0."""
     view = several_periods_view(name)
     (t0, T) = start_and_period(name)
-    p = view.trajectory.parameters
+    p = view.trajectory.parameters.parameters
     printed = load_scene(printed_scene(name)).parameters
     contacts = _in_order(view_of(view.trajectory, view.boundary))
     if contacts:

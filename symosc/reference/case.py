@@ -33,7 +33,7 @@ from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tangents import NAMES
-from symosc.simulation.trajectory import MAP_LABELS, Event
+from symosc.simulation.trajectory import Event, map_labels
 
 #: Digits of the given events, and of the runs where there is no proof.
 GIVEN_DIGITS = 40
@@ -243,7 +243,7 @@ class ReferenceCase:
             (boundary for boundary in (1, 2) if self.parameters.belt(boundary) == self.v0), 0
         )
         for row in rows:
-            row["word"] = MAP_LABELS.get((before, row["source"], row["boundary"]), "")
+            row["word"] = map_labels(2).get((before, row["source"], row["boundary"]), "")
             before = row["boundary"]
         return tuple(KnownEvent(**row) for row in rows)
 

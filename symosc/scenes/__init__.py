@@ -30,14 +30,14 @@ from symosc.base.display.drawable import Drawable
 from symosc.base.errors import ParameterError, SceneError, meant
 from symosc.base.exact import read_start_error, show
 from symosc.base.quantities import QUANTITIES, forcing_periods, half_unit, read_number, unit_of
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Belt, Model, Oscillator, Parameters
 from symosc.reductions import OtherModel, reduced_start, reduced_time
 from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
 from symosc.words import WordError, read_word
 
-#: Parameters; or a Scene, the name or file of one, or an OtherModel, of which a public function
-#: takes the parameters.
-ParametersLike: TypeAlias = "Parameters | Scene | OtherModel | SceneName"
+#: Parameters or an Oscillator; or a Scene, the name or file of one, or an OtherModel, of which a
+#: public function takes the parameters.
+ParametersLike: TypeAlias = "Model | Scene | OtherModel | SceneName"
 #: Half-widths of t0, x0 and v0.
 StartErrors: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
@@ -82,7 +82,7 @@ class Scene(Drawable):
     Parameters
     ----------
     name : str
-    parameters : Parameters or OtherModel
+    parameters : Parameters, Oscillator or OtherModel
         With an OtherModel, give start and end in its coordinates. The scene converts all to
         symosc's oscillator, and keeps as `original` what was given; `simulate` gives the motion of
         the model.
@@ -144,8 +144,8 @@ class Scene(Drawable):
         model: Any = self.parameters
         # The end may be in periods of the drive after t0.
         given_start = {name: getattr(self, name) for name in START_NAMES}
-        given_start["t_end"] = end_time(self.t_end, parameters_of(model), self.t0)
-        numbers, rounding = start_numbers(given_start, parameters_of(model))
+        given_start["t_end"] = end_time(self.t_end, model_of(model, "parameters"), self.t0)
+        numbers, rounding = start_numbers(given_start, model_of(model, "parameters"))
         if self.start_error is None:
             error = rounding
         else:
@@ -177,9 +177,11 @@ class Scene(Drawable):
                 raise ParameterError(name, value, "must be text")
         if not self.name.strip():
             raise ParameterError("name", self.name, "must be text that is not empty")
-        if not isinstance(self.parameters, Parameters | OtherModel):
+        if not isinstance(self.parameters, Parameters | Oscillator | OtherModel):
             raise ParameterError(
-                "parameters", self.parameters, "must be Parameters or an OtherModel"
+                "parameters",
+                self.parameters,
+                "must be Parameters, an Oscillator or an OtherModel",
             )
         if not isinstance(self.original, Original | None):
             raise ParameterError(
@@ -283,7 +285,7 @@ def not_reduced_error(scene: Scene) -> ParameterError:
 
 
 def start_numbers(
-    start: Mapping[str, Any], p: Parameters
+    start: Mapping[str, Any], p: Model
 ) -> tuple[dict[str, Fraction], StartErrors | None]:
     """Read the numbers of a start.
 
@@ -295,7 +297,8 @@ def start_numbers(
     errors = dict.fromkeys(START_NAMES, Fraction(0))
     for name, value in start.items():
         numbers[name], exact = read_number(name, value)
-        if not (exact or (name == "v0" and numbers[name] in (p.v1, p.v2))):
+        on_belt = name == "v0" and any(numbers[name] == belt.v for belt in p.law.belts)
+        if not (exact or on_belt):
             errors[name] = half_unit(numbers[name])
     t0, x0, v0, _ = errors.values()
     return numbers, ((t0, x0, v0) if t0 or x0 or v0 else None)
@@ -304,52 +307,73 @@ def start_numbers(
 def parameters_of(what: ParametersLike, name: str = "p") -> Parameters:
     """Return the parameters of a model, or of a scene or its name or file.
 
-    Return `Parameters` unchanged. Messages call the argument `name`.
+    Return `Parameters` unchanged, and refuse what follows another friction law than these. Messages
+    call the argument `name`.
     """
-    if isinstance(what, Parameters):
+    return model_of(what, name).parameters
+
+
+def model_of(what: ParametersLike, name: str = "p") -> Model:
+    """Return the oscillator of a model, or of a scene or its name or file, with any friction law.
+
+    Return `Parameters` and an `Oscillator` unchanged. Messages call the argument `name`.
+    """
+    if isinstance(what, Model):
         return what
     if isinstance(what, Scene | OtherModel):
         return what.parameters
-    require(Parameters, SCENE_OR_NAME, **{name: what})
+    require(Parameters, Oscillator, SCENE_OR_NAME, **{name: what})
     return load_scene(what).parameters
 
 
-def scene_of(what: Scene | Parameters | SceneName, name: str) -> Scene | Parameters:
+def scene_of(
+    what: Scene | Model | SceneName, name: str, any_law: bool = False
+) -> Scene | Parameters:
     """Return a scene if `what` is one, or its name or file; return `Parameters` unchanged.
 
-    Messages call the argument `name`.
+    Unless `any_law`, what follows another friction law is refused, and an `Oscillator` with the law
+    of `Parameters` becomes these. Messages call the argument `name`.
     """
-    if isinstance(what, Scene | Parameters):
-        return what
-    require(Scene, Parameters, SCENE_NAME, **{name: what})
-    return load_scene(what)
+    if not isinstance(what, Scene | Model):
+        require(Scene, Parameters, Oscillator, SCENE_NAME, **{name: what})
+        what = load_scene(what)
+    if any_law:
+        return what  # type: ignore[return-value]
+    if isinstance(what, Scene):
+        return replace(what, parameters=parameters_of(what))
+    return what.parameters
 
 
 def problem_of(
-    what: Scene | Parameters | OtherModel | SceneName, name: str
+    what: Scene | Model | OtherModel | SceneName, name: str, any_law: bool = False
 ) -> Scene | Parameters | OtherModel:
     """Return a scene if `what` is one, or its name or file; return Parameters and models unchanged.
 
-    Messages call the argument `name`.
+    `any_law` is that of `scene_of`. Messages call the argument `name`.
     """
-    if isinstance(what, Scene | Parameters | OtherModel):
+    if isinstance(what, OtherModel):
         return what
-    require(Scene, Parameters, OtherModel, SCENE_NAME, **{name: what})
-    return load_scene(what)
+    require(Scene, Parameters, Oscillator, OtherModel, SCENE_NAME, **{name: what})
+    return scene_of(what, name, any_law)
 
 
-def end_time(end: Any, p: Parameters, t0: Any) -> Any:
+def end_time(end: Any, p: Model, t0: Any) -> Any:
     """Return an end time; text such as "10T" means that many periods of the drive after t0."""
     periods = forcing_periods("t_end", end)
     if periods is None:
         return end
+    if isinstance(p, Oscillator) and p.has_free_clock:
+        raise ParameterError(
+            "t_end", end, "periods of the drive require Omega, which this Oscillator lacks"
+        )
     return float(read_number("t0", t0)[0]) + float(periods) * (2 * pi / float(p.Omega))
 
 
-def from_rest(p: Parameters, t_end: NumberLike) -> Scene:
+def from_rest(p: Model, t_end: NumberLike) -> Scene:
     """Return a scene with these parameters that starts from rest at x = 0 and t = 0."""
     zero = Fraction(0)
-    return Scene("parameters", p, zero, zero, zero, end_time(t_end, p, zero))
+    end = end_time(t_end, p, zero)
+    return Scene("parameters", p, zero, zero, zero, end)  # type: ignore[arg-type]
 
 
 def scene_names() -> list[str]:
@@ -448,8 +472,11 @@ def read_scene(text: str, where: str) -> Scene:
     data = file.data
     try:
         numbers = data["parameters"]
+        problem: OtherModel | Model
         if "model" in data:
-            problem: OtherModel | Parameters = OtherModel(**numbers, **data["model"])
+            problem = OtherModel(**numbers, **data["model"])
+        elif "belts" in data:
+            problem = Oscillator(**numbers, belts=[Belt(**belt) for belt in data["belts"]])
         else:
             problem = Parameters(**numbers)
         return Scene(

@@ -83,11 +83,11 @@ from symosc.engine.summary import (
     tally_step,
 )
 from symosc.engine.tangent import Letters
-from symosc.friction import MODE_NAMES
+from symosc.friction import MODE_NAMES, geometry
 from symosc.kernels.elementary import cos, sin
-from symosc.model import Parameters
+from symosc.model import Model, Oscillator, Parameters
 from symosc.reductions import OtherModel
-from symosc.scenes import ParametersLike, Scene, parameters_of
+from symosc.scenes import ParametersLike, Scene, model_of
 from symosc.simulation.batch import (
     MOST_WORKERS,
     CancelToken,
@@ -133,7 +133,7 @@ MODE_TEXTS = np.array(["", *(MODE_NAMES[code] for code in sorted(MODE_NAMES))])
 
 @public
 def simulate_many(
-    parameters: ParametersLike | Sequence[Parameters] | Mapping[str, ArrayLike],
+    parameters: ParametersLike | Sequence[Model] | Mapping[str, ArrayLike],
     starts: ArrayLike | Mapping[str, ArrayLike] | DataFrame,
     t_end: NumberLike | ArrayLike,
     *,
@@ -154,8 +154,9 @@ def simulate_many(
 
     Parameters
     ----------
-    parameters : Parameters, or a Scene, its name or its file
-        Or a sequence of n Parameters, or a mapping of all their names to a number or an (n,) array.
+    parameters : Parameters or Oscillator, or a Scene, its name or its file
+        Or a sequence of n of them, or a mapping of all their names to a number or an (n,) array:
+        mu_s1 and mu_s2 are static coefficients, and without v2 and mu2 there is one belt.
     starts : (n, 3) or (3,) array_like, rows of t0, x0, v0; or mapping of these names like `parameters`
     t_end : number or (n,) array, or "10T": ten periods of the drive after each t0
     max_events, accuracy, start_error : optional
@@ -193,7 +194,7 @@ def simulate_many(
     >>> simulate_many(load_scene("fig9").parameters, [(0, 0, 0), (0, 1, 2)], 3, use_numba=False).trajectory.tolist()
     [0, 0, 0, 0, 0, 1, 1, 1, 1, 1]
     """
-    parameters = parameter_sets(parameters)
+    sets = parameter_sets(parameters)
     require(*TABLE_LIKE, starts=starts)
     require(*ARRAY_LIKE, t_end=t_end, skip=skip)
     require_or_none(*START_ERROR, start_error=start_error)
@@ -203,7 +204,7 @@ def simulate_many(
     require(WHOLE, sections=sections)
     require_or_none(WHOLE, workers=workers)
     require_or_none(*PROGRESS, progress=progress)
-    problems = Problems(parameters, starts, t_end, read_start_error(start_error))
+    problems = Problems(sets, starts, t_end, read_start_error(start_error))
     most = read_most(max_events, MOST_EVENTS)
     task = EnsembleTask(problems, CHOICE.of_many(use_numba), most, read_accuracy(accuracy))
     of_events = isinstance(record, str) and record == "events"
@@ -239,13 +240,14 @@ def simulate_many(
 
 
 def parameter_sets(
-    parameters: ParametersLike | Sequence[Parameters] | Mapping[str, ArrayLike],
-) -> Parameters | Sequence[Parameters] | Mapping[str, ArrayLike]:
+    parameters: ParametersLike | Sequence[Model] | Mapping[str, ArrayLike],
+) -> Model | Sequence[Model] | Mapping[str, ArrayLike]:
     """Return the parameters of a scene, or of its name or file; return others unchanged."""
-    several = (sequence_of(Parameters), mapping_of(*ARRAY_LIKE))
-    require(Parameters, Scene, OtherModel, SCENE_OR_NAME, *several, parameters=parameters)
+    several = (sequence_of(Parameters, Oscillator), mapping_of(*ARRAY_LIKE))
+    one = (Parameters, Oscillator, Scene, OtherModel, SCENE_OR_NAME)
+    require(*one, *several, parameters=parameters)
     if isinstance(parameters, Scene | OtherModel | str | PathLike):
-        return parameters_of(parameters)
+        return model_of(parameters)
     return parameters
 
 
@@ -392,7 +394,7 @@ class Chunk:
             }
         return events_by_motion
 
-    def _escalate(self, parameters: Parameters, members: list[int]) -> Iterator[EventRows]:
+    def _escalate(self, parameters: Model, members: list[int]) -> Iterator[EventRows]:
         """Follow the motions `members`, of one parameter set, to the end, in pairs where doubles
         are in doubt.
         """
@@ -455,7 +457,7 @@ class Chunk:
             column[members] = values
         store_tallies(self.tally, members, tally)
 
-    def _pair_rows(self, parameters: Parameters, members: list[int]) -> np.ndarray:
+    def _pair_rows(self, parameters: Model, members: list[int]) -> np.ndarray:
         """Return the first states of the motions `members` in pairs hi + lo, stored as complex
         numbers hi + i lo.
         """
@@ -564,6 +566,8 @@ class SummaryRequest:
                 allowed = f'must be "events", "summary", or some of {", ".join(SUMMARY_COLUMNS)}'
                 raise ParameterError("record", name, allowed)
         self.names = tuple(name for name in SUMMARY_COLUMNS if name in names)
+        #: The labels of the mappings, by their numbers from 1.
+        self.labels = tuple(geometry(len(problems.sets.boundaries)).maps)
         self.sections = whole_number("sections", sections, 0, MOST_SECTIONS)
         column = NumberColumn("skip", skip)
         if len(column) not in (1, len(problems)):
@@ -648,7 +652,7 @@ def summary_of(
             rests = (status == "equilibrium") & (chunk.table["driven"][sets] == 0.0)
             columns["multiplicity"][rests] = 1
     if "word" in asked:
-        columns["word"] = words_of(tally)
+        columns["word"] = words_of(tally, asked.labels)
         for i in np.flatnonzero(tally.ints[:, kept.LAST_LENGTH] > longest).tolist():
             row = rows.start + i
             length = int(tally.ints[i, kept.LAST_LENGTH])
@@ -660,10 +664,10 @@ def summary_of(
     return {name: columns[name] for name in asked.names}
 
 
-def words_of(tally: Tally) -> np.ndarray:
+def words_of(tally: Tally, labels: Sequence[str]) -> np.ndarray:
     """Return for each motion the word of its last whole forcing period as text, such as "P32".
 
-    "" if there is none.
+    "" if there is none. `labels` are those of the mappings, by their numbers from 1.
     """
     width = tally.labels.shape[2]
     there = np.arange(width) < tally.ints[:, kept.LAST_LENGTH, None]
@@ -671,7 +675,7 @@ def words_of(tally: Tally) -> np.ndarray:
     words, numbers = np.unique(rows, return_inverse=True)
     # Where a cycle is cut into periods depends on the phases of its events: all of its rotations
     # are one text.
-    cycles = [Word(tuple(f"P{label}" for label in word)).cycle for word in words.tolist()]
+    cycles = [Word(tuple(labels[code - 1] for code in word)).cycle for word in words.tolist()]
     texts = [str(word) if word.labels else "" for word in cycles]
     return np.array(texts, dtype=str)[numbers]
 

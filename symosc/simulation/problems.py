@@ -27,10 +27,22 @@ from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
 from symosc.engine.state import PAIR_ROW, STATE_ROW
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
-from symosc.model import PARAMETER_NAMES, Parameters, least
+from symosc.model import (
+    BELT_NAMES,
+    OSCILLATOR_NAMES,
+    PARAMETER_NAMES,
+    Model,
+    Parameters,
+    belts_named,
+    least,
+    model_from,
+)
 from symosc.scenes import START_NAMES
 
 START_COLUMNS = START_NAMES[:3]
+#: Names of columns that may be there, and of those that are left out where there is one belt.
+STATIC_NAMES = ("mu_s1", "mu_s2")
+OF_BELT_2 = {"v2", "mu2", "mu_s2"}
 
 # So few motions are begun one by one: operations on columns cost more.
 BEGUN_ALONE = 8
@@ -220,25 +232,30 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 class ParameterSets:
-    """Parameter sets, read from Parameters, a sequence of them, or a mapping of all names to
-    numbers or arrays.
+    """Parameter sets, read from Parameters or Oscillators, a sequence of them, or a mapping of all
+    names to numbers or arrays.
+
+    Attributes
+    ----------
+    names : tuple of str
+        The names of all columns.
     """
 
     def __init__(self, parameters: Any) -> None:
-        self._known = dict[int, Parameters]()
+        self._known = dict[int, Model]()
         self.columns = dict[str, NumberColumn]()
         self._is_object = False
         if isinstance(parameters, Mapping):
             self._read_mapping(parameters)
             return
         try:
-            if isinstance(parameters, Parameters):
+            if isinstance(parameters, Model):
                 sets: list[Any] = [parameters]
             else:
                 sets = list(parameters)
         except TypeError:
             sets = [None]
-        if not sets or not all(isinstance(p, Parameters) for p in sets):
+        if not sets or not all(isinstance(p, Model) for p in sets):
             hint = (
                 "give Parameters, a sequence of them, or a mapping of all their names to numbers "
                 "or columns"
@@ -247,42 +264,54 @@ class ParameterSets:
         self._known = dict(enumerate(sets))
         self.count = len(sets)
         self._is_object = len(sets) == 1
+        self.names = _common_names(sets)
 
     def _read_mapping(self, parameters: Mapping[str, Any]) -> None:
         """Read a mapping of all parameters' names to numbers or columns."""
+        known = (*PARAMETER_NAMES, *STATIC_NAMES)
         for name in parameters:
-            if name not in PARAMETER_NAMES:
+            if name not in known:
                 raise ParameterError(
                     str(name),
                     parameters[name],
-                    f"unknown parameter; choose from {', '.join(PARAMETER_NAMES)}",
+                    f"unknown parameter; choose from {', '.join(known)}",
                 )
-        for name in PARAMETER_NAMES:
+        one_belt = not parameters.keys() & OF_BELT_2
+        required = [name for name in PARAMETER_NAMES if not (one_belt and name in OF_BELT_2)]
+        for name in required:
             if name not in parameters:
                 raise ParameterError("parameters", dict(parameters), f"{name} is missing")
-        columns = self.columns = {
-            name: NumberColumn(name, parameters[name]) for name in PARAMETER_NAMES
-        }
+        self.names = (*required, *(name for name in STATIC_NAMES if name in parameters))
+        columns = self.columns = {name: NumberColumn(name, parameters[name]) for name in self.names}
         self.count = common_length({name: len(column) for name, column in columns.items()})
-        lowest = {name: least(name) for name in PARAMETER_NAMES}
+        lowest = {name: least(name) for name in required}
         wrong = [columns[name].hi < float(low) for name, low in lowest.items() if low is not None]
-        for rows in (*wrong, columns["v2"].hi <= columns["v1"].hi):
+        if not one_belt:
+            wrong.append(columns["v2"].hi <= columns["v1"].hi)
+        for name in self.names[len(required) :]:
+            wrong.append(columns[name].hi <= columns[f"mu{name[-1]}"].hi)  # equal ones may differ
+        for rows in wrong:
             for row in np.flatnonzero(rows).tolist():
                 self._checked(row)
 
-    def _checked(self, row: int) -> Parameters:
+    def _checked(self, row: int) -> Model:
         """Return the parameters of a row; the message of an error includes the row's number."""
         try:
-            return Parameters(**{name: column.exact(row) for name, column in self.columns.items()})
+            return model_from({name: column.exact(row) for name, column in self.columns.items()})
         except ParameterError as error:
             raise ParameterError(
                 self.columns[error.name].called(row), error.value, error.allowed
             ) from None
 
+    @property
+    def boundaries(self) -> range:
+        """The numbers of the belts."""
+        return range(1, belts_named(self.names) + 1)
+
     def __len__(self) -> int:
         return self.count
 
-    def __getitem__(self, i: int) -> Parameters:
+    def __getitem__(self, i: int) -> Model:
         if not (self.count > 1):
             i = 0
         if i not in self._known:
@@ -292,9 +321,8 @@ class ParameterSets:
     def column(self, name: str) -> NumberColumn:
         """Return the column of the parameter `name`."""
         if name not in self.columns:
-            self.columns[name] = NumberColumn(
-                name, [getattr(p, name) for p in self._known.values()]
-            )
+            values = [number_of(p, name) for p in self._known.values()]
+            self.columns[name] = NumberColumn(name, values)
         return self.columns[name]
 
     def doubles(self, names: Sequence[str], rows: slice) -> np.ndarray:
@@ -315,13 +343,39 @@ class ParameterSets:
         if rows.stop == rows.start:
             return table_of([])
         # However few they are: the bits must not depend on how a sweep is cut into calls.
-        columns = {name: self.column(name).pairs(rows) for name in PARAMETER_NAMES}
+        columns = {name: self.column(name).pairs(rows) for name in self.names}
         size = rows.stop - rows.start
         if size == 0:
             return table_of([])
         return constant_table(
             columns, size, lambda i: Arithmetic(self[rows.start + i]).K, march_rows
         )
+
+
+def _common_names(sets: Sequence[Model]) -> tuple[str, ...]:
+    """Return the names of the columns of parameter sets, which must have equally many belts."""
+    belts = {len(p.law.belts) for p in sets}
+    if len(belts) > 1:
+        counts = " and ".join(map(str, sorted(belts)))
+        raise ParameterError(
+            "parameters",
+            f"{len(sets)} sets",
+            f"must all have the same number of belts, not {counts}",
+        )
+    if all(isinstance(p, Parameters) for p in sets):
+        return PARAMETER_NAMES
+    numbers = range(1, belts.pop() + 1)
+    return (*OSCILLATOR_NAMES, *(f"{name}{n}" for n in numbers for name in BELT_NAMES))
+
+
+def number_of(p: Model, name: str) -> Fraction:
+    """Return a parameter by its name; the static coefficient is the kinetic one where it has no own."""
+    if name in OSCILLATOR_NAMES:
+        return getattr(p, name)
+    numbers = p.numbers()
+    if name in numbers:
+        return numbers[name]
+    return numbers[name.replace("mu_s", "mu")]
 
 
 class Problems:
@@ -390,7 +444,7 @@ class Problems:
         t0, t_end, x0, v0 = (
             column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0)
         )
-        for boundary in (1, 2):
+        for boundary in self.sets.boundaries:
             same, alike = self._at_belt(boundary, rows)
             at[same] = boundary
             unclear[alike] = True
@@ -437,7 +491,7 @@ class Problems:
         v = self.v0.pairs(rows).hi
         B0 = self.sets.column("B0").pairs(rows).hi
         apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
-        for boundary in (1, 2):
+        for boundary in self.sets.boundaries:
             apart &= (at == boundary) | (
                 abs(v - self.sets.column(f"v{boundary}").pairs(rows).hi) > gap
             )

@@ -55,15 +55,15 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import no_tally
-from symosc.model import Parameters
+from symosc.model import Model, Oscillator, Parameters
 from symosc.reductions import OtherModel
 from symosc.scenes import (
     Original,
     Scene,
     end_time,
+    model_of,
     moved_scene,
     not_reduced_error,
-    parameters_of,
     problem_of,
 )
 from symosc.simulation.loops import CHOICE
@@ -89,7 +89,7 @@ FIRST_BLOCK = 64
 
 @public
 def simulate(
-    scene: Scene | Parameters | OtherModel | SceneName,
+    scene: Scene | Model | OtherModel | SceneName,
     *,
     t0: NumberLike | None = None,
     x0: NumberLike | None = None,
@@ -105,9 +105,10 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene, str, Parameters or OtherModel
+    scene : Scene, str, Parameters, Oscillator or OtherModel
         A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or
-        parameters. For another model, start, end and answer are in the coordinates of that model.
+        parameters, or an oscillator with another friction law. For another model, start, end and
+        answer are in the coordinates of that model.
     t0, x0, v0, t_end : number
         Start and end, read exactly like parameters; in the parameters' units. With parameters t0,
         x0 and v0 are 0 unless they are given. "10T" as an end is ten periods of the drive after t0.
@@ -148,7 +149,7 @@ def simulate(
     >>> print(simulate("fig8-exact", digits=30).events[0].t)
     3.14159265358979323846264338328
     """
-    scene = problem_of(scene, "scene")
+    scene = problem_of(scene, "scene", any_law=True)
     require_or_none(NUMBER, t0=t0, x0=x0, v0=v0, t_end=t_end)
     require_or_none(*START_ERROR, start_error=start_error)
     require(*PROGRESS, progress=progress)
@@ -187,7 +188,7 @@ def read_most(max_events: Any, default: int) -> int:
     return min(whole_number("max_events", max_events, 1), 2**62)
 
 
-def read_start(scene: Scene | Parameters, arguments: dict[str, Any], start_error: Any) -> Start:
+def read_start(scene: Scene | Model, arguments: dict[str, Any], start_error: Any) -> Start:
     """Return the initial value problem of a scene or of keyword arguments.
 
     Refuse a scene of another model.
@@ -198,20 +199,18 @@ def read_start(scene: Scene | Parameters, arguments: dict[str, Any], start_error
 
 
 def read_problem(
-    scene: Scene | Parameters | OtherModel, arguments: dict[str, Any], start_error: Any
+    scene: Scene | Model | OtherModel, arguments: dict[str, Any], start_error: Any
 ) -> tuple[Start, Original | None]:
     """Return the initial value problem of a scene or of arguments, and the other model it stands
     for, if any.
     """
-    if isinstance(scene, Parameters | OtherModel):
+    if not isinstance(scene, Scene):
         if arguments["t_end"] is None:
-            if isinstance(scene, Parameters):
-                passed = "Parameters"
-            else:
-                passed = "an OtherModel"
-            raise ParameterError("t_end", None, f"t_end is required when you pass {passed}")
+            passed = {Parameters: "Parameters", Oscillator: "an Oscillator"}
+            subject = passed.get(type(scene), "an OtherModel")
+            raise ParameterError("t_end", None, f"t_end is required when you pass {subject}")
         arguments = {name: 0 if value is None else value for name, value in arguments.items()}
-        arguments["t_end"] = end_time(arguments["t_end"], parameters_of(scene), arguments["t0"])
+        arguments["t_end"] = end_time(arguments["t_end"], model_of(scene), arguments["t0"])
         scene = Scene("motion", scene, **arguments)  # type: ignore[arg-type]
         arguments = {}
     if changes := {name: value for name, value in arguments.items() if value is not None}:
@@ -428,7 +427,7 @@ def check_reached(start: Start) -> None:
     raise ParameterError("t_end", show(start.t_end), reason)
 
 
-def end_status(code: int, mode: int, v: Number, force: Number, p: Parameters) -> str:
+def end_status(code: int, mode: int, v: Number, force: Number, p: Model) -> str:
     """Return the status "t_end" or "equilibrium" of a motion that ended with `code` END or REST.
 
     `mode`, velocity `v` and acceleration `force` are those at its last event, or at its start.

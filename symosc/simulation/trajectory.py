@@ -6,7 +6,7 @@ import json
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,12 +22,13 @@ from symosc.base.files import write_text
 from symosc.engine.arithmetic import Arithmetic, column_functions
 from symosc.engine.batch import PIECE_COLUMNS, EventRows
 from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event, events_from
+from symosc.engine.flow import constant_force
 from symosc.engine.state import ON_BELT
-from symosc.friction import MAPS, MODE_NAMES
+from symosc.friction import MODE_NAMES, geometry
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_with_drive
-from symosc.model import Parameters
+from symosc.model import Model
 from symosc.reductions import event_back, motion_of_belts, number_like
 from symosc.scenes import Original
 from symosc.simulation.tables import rows_of, write_csv
@@ -39,10 +40,19 @@ TIMES_TOGETHER = 1 << 16
 # Rows of the array of pieces that are used alone.
 MODE_ROW = PIECE_COLUMNS.index("mode")
 ELAPSED_ROW = PIECE_COLUMNS.index("elapsed")
-#: Map label by (start plane, mode, end plane); planes are the belts, a stick stays on one.
-MAP_LABELS = {
-    (row.start.boundary, MODE_NAMES[row.mode], row.end.boundary): row.label for row in MAPS.values()
-}
+
+
+@cache
+def map_labels(belts: int) -> dict[tuple[int, str, int], str]:
+    """Return the labels of the mappings of so many belts by start plane, mode and end plane.
+
+    Planes are the belts; a stick stays on one.
+    """
+    law = geometry(belts)
+    return {
+        (row.start.boundary, law.mode_names[row.mode], row.end.boundary): row.label
+        for row in law.maps.values()
+    }
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +63,11 @@ class Segment:
     ----------
     t_start, t_end : number
     mode : str
-        "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
+        "Omega1", "Omega2" and so on between the belts, "belt1", "belt2" on them.
     label : str or None
-        The mapping, "P1" to "P8"; None if the segment starts or ends between the belts.
+        The mapping, "P1" to "P8"; None if the segment starts or ends between the belts. With
+        another number of belts than two it is S (stick), B, A (return to a belt from below, above),
+        U or D (passage up, down) with the belts' numbers, such as "S1" or "U12".
 
     Examples
     --------
@@ -79,7 +91,7 @@ class Trajectory(Drawable):
 
     Attributes
     ----------
-    parameters : Parameters
+    parameters : Parameters or Oscillator
     events : tuple of Event
         Made at the first access.
     segments : tuple of Segment
@@ -112,7 +124,7 @@ class Trajectory(Drawable):
 
     def __init__(
         self,
-        parameters: Parameters,
+        parameters: Model,
         events: Callable[[], Sequence[Event]] | EventRows,
         pieces: np.ndarray,
         status: str,
@@ -157,13 +169,13 @@ class Trajectory(Drawable):
     def segments(self) -> Listing[Segment]:
         """The segments in order of time."""
         segments = []
+        labels = map_labels(len(self.parameters.law.belts))
         plane = self._first_at
         since = self.t_start
         mode = MODE_NAMES[int(self._pieces[MODE_ROW, 0])]
         for event in self.events:
-            segments.append(
-                Segment(since, event.t, mode, MAP_LABELS.get((plane, mode, event.boundary)))
-            )
+            label = labels.get((plane, mode, event.boundary))
+            segments.append(Segment(since, event.t, mode, label))
             plane = event.boundary
             since = event.t
             mode = event.target
@@ -211,13 +223,13 @@ class Trajectory(Drawable):
 
     @public
     def force(self, alpha: int, t: ArrayLike) -> Any:
-        """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` = 1, 2 or 3 would give,
-        at times `t`.
+        """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` would give, at times
+        `t`.
         """
         require(*ARRAY_LIKE, t=t)
         times = read_times(t)
         K = self._K
-        A = (K.A1, K.A2, K.A3)[whole_number("alpha", alpha, 1, 3) - 1]
+        A = constant_force(whole_number("alpha", alpha, 1, len(self.parameters.law.belts) + 1), K)
         x, v, c = self._states(times)
         forces = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
         if times.ndim:
@@ -343,7 +355,7 @@ class Trajectory(Drawable):
         """Return the motion as the OdeResult of ``scipy.integrate.solve_ivp``, in doubles.
 
         t and y are times and states at the start, the events and the end; `sol` is this trajectory;
-        t_events and y_events have the events on belt 1, then those on belt 2.
+        t_events and y_events have the events on belt 1, then those on belt 2, and so on.
         """
         from scipy.optimize import OptimizeResult  # what scipy's OdeResult is, loaded in less time
 
@@ -352,7 +364,7 @@ class Trajectory(Drawable):
         )
         belts = [
             np.array([float(event.t) for event in self.events if event.boundary == belt])
-            for belt in (1, 2)
+            for belt in range(1, len(self.parameters.law.belts) + 1)
         ]
         states = [self(t).T.astype(float) if len(t) else np.empty((0, 2)) for t in belts]
         success = self.status in ("t_end", "equilibrium")

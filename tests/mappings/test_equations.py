@@ -20,7 +20,7 @@ from symosc.friction import MAPS
 from symosc.mappings import equations as m
 from symosc.mappings.equations import MapError, jacobian, solve_map
 from symosc.model import PARAMETER_NAMES
-from symosc.simulation.trajectory import MAP_LABELS
+from symosc.simulation.trajectory import map_labels
 
 ACCURACY = 1e-13
 
@@ -221,7 +221,7 @@ def starts(rng: random.Random) -> Iterator[tuple[Parameters, Fraction, Fraction,
         )
         if run.events and run.events[0].kind != "graze":
             event = run.events[0]
-            yield p, x, theta, MAP_LABELS[belt, event.source, event.boundary], event
+            yield p, x, theta, map_labels(2)[belt, event.source, event.boundary], event
 
 
 @pytest.mark.quick(1)

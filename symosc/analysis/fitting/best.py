@@ -73,7 +73,7 @@ class Search:
     """
 
     def __init__(self, problem: FitProblem, first: np.ndarray) -> None:
-        p = problem.scene.parameters
+        p = problem.scene.parameters.parameters
         self.problem = problem
         self.first = first
         self.digits = rounding(problem.measured, [float(p.v1), float(p.v2)])

@@ -123,7 +123,7 @@ class FitProblem:
         new = dict(zip(self.names, map(repr, values.tolist()), strict=True))
         changes = {name: new[name] for name in self.names if name in PARAMETER_NAMES}
         start = {name: new.get(name, getattr(self.scene, name)) for name in STARTS}
-        return self.scene.parameters.replace(**changes), {**start, "t_end": self.end}
+        return self.scene.parameters.parameters.replace(**changes), {**start, "t_end": self.end}
 
     def _compare(
         self, motion: Trajectory, moved: Sensitivities | None

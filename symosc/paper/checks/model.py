@@ -218,7 +218,7 @@ def equations_of_motion() -> Evidence:
     """
     errors: dict[int, list[float]] = {}
     for motion in (simulate(load_scene(name), max_events=40) for name in STATES):
-        p = motion.parameters
+        p = motion.parameters.parameters
         for segment in motion.segments[:8]:
             if segment.mode.startswith("Omega"):
                 alpha = int(segment.mode[-1])
@@ -635,7 +635,7 @@ def governing_equations() -> Evidence:
     motions = [simulate(load_scene(name), max_events=40) for name in MAPPED_SCENES]
     # Segment i + 1 goes from event i to event i + 1.
     stretches = [
-        (motion.parameters, stretch)
+        (motion.parameters.parameters, stretch)
         for motion in motions
         for stretch in zip(motion.segments[1:], pairwise(motion.events), strict=False)
     ]

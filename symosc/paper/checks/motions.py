@@ -399,7 +399,7 @@ def judge(check: Callable[[], Any]) -> Evidence:
     if not _seen:
         return result
     different_paths = {id(path): path for path in _seen}.values()
-    flights = [(path.parameters, stretches_of(path)) for path in different_paths]
+    flights = [(path.parameters.parameters, stretches_of(path)) for path in different_paths]
     differences, contradictions = zip(
         *(fly_again(p, stretches) for p, stretches in flights), strict=True
     )
