@@ -696,17 +696,26 @@ def _bracketed(value: Any, slope: Any, low: Any, high: Any, positive: bool, dps:
 
 def _simple_root(gap: list[Any], rounded: Any, low: float, high: float, dps: int) -> Any:
     """Return the only root in an interval: in doubles, then with all digits."""
-    polynomial = rounded[::-1]
+    doubles = rounded.tolist()
+    falling = [n * doubles[n] for n in range(1, len(doubles))]
     left = low
     right = high
-    positive = float(np.polyval(polynomial, low)) > 0
-    for _ in range(52):
-        middle = (left + right) / 2
-        if (float(np.polyval(polynomial, middle)) > 0) == positive:
-            left = middle
+    positive = _horner(doubles, low) > 0
+    start = (low + high) / 2
+    for _ in range(60):
+        here = _horner(doubles, start)
+        if (here > 0) == positive:
+            left = start
         else:
-            right = middle
-    place = mpmath.mpf((left + right) / 2)
+            right = start
+        steep = _horner(falling, start)
+        following = start - here / steep if steep else left
+        if not left < following < right:
+            following = (left + right) / 2
+        if abs(following - start) <= 1e-15 * start:
+            break
+        start = following
+    place = mpmath.mpf(start)
     slopes = [n * gap[n] for n in range(1, len(gap))]
     small = mpmath.mpf(10) ** (-dps)
     for _ in range(12):
