@@ -60,7 +60,9 @@ class LawScene:
             if getattr(self, name) is not None
         )
         belts = ", ".join(map(belt_text, self.belts))
-        start = ", ".join(f"{name}={text(getattr(self, name))}" for name in "t0 x0 v0 t_end".split())
+        start = ", ".join(
+            f"{name}={text(getattr(self, name))}" for name in "t0 x0 v0 t_end".split()
+        )
         return (
             f"oscillator = Oscillator({law}, belts=[{belts}])\n"
             f"simulate(oscillator, {start}, max_events={self.max_events})"
@@ -126,9 +128,7 @@ def plain_law(rng: Random, number: int, most: int) -> dict[str, Any]:
     speeds = [belt.v for belt in belts]
     v0 = Fraction(f"{rng.uniform(float(min(speeds)) - 0.5, float(max(speeds)) + 0.5):.3g}")
     t0 = rng.choice([Fraction(0), Fraction(0), tenth(rng, -20, 100)])
-    return dict(
-        m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, FN=FN, belts=belts, t0=t0, x0=x0, v0=v0
-    )
+    return dict(m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, FN=FN, belts=belts, t0=t0, x0=x0, v0=v0)
 
 
 def finished(family: str, number: int, law: dict[str, Any], rng: Random, **more: Any) -> LawScene:
@@ -228,10 +228,10 @@ def chaotic(rng: Random, number: int, most: int) -> LawScene:
     law = plain_law(rng, number, most)
     if rng.random() < 0.5:
         kinetic = Fraction(7, 10)
-        law |= dict(
-            c=Fraction(1, 20), B0=Fraction(3, 5), Omega=tenth(rng, 13, 15), A0=Fraction(0)
+        law |= dict(c=Fraction(1, 20), B0=Fraction(3, 5), Omega=tenth(rng, 13, 15), A0=Fraction(0))
+        law["belts"] = (
+            LawBelt(Fraction(1, 10), kinetic, Fraction(round(rng.uniform(90, 140)), 100)),
         )
-        law["belts"] = (LawBelt(Fraction(1, 10), kinetic, Fraction(round(rng.uniform(90, 140)), 100)),)
     else:
         law |= dict(c=Fraction(0), B0=Fraction(1), A0=Fraction(0))
         law["Omega"] = Fraction(round(rng.uniform(40, 65)), 100)
@@ -251,9 +251,7 @@ def held(rng: Random, number: int, most: int) -> LawScene:
     law["v0"] = belt.v
     if rng.random() < 0.4 and law["B0"]:
         # the rate of the needed force vanishes there too
-        law["belts"] = tuple(
-            other._replace(v=other.v - belt.v) for other in law["belts"]
-        )
+        law["belts"] = tuple(other._replace(v=other.v - belt.v) for other in law["belts"])
         law["v0"] = Fraction(0)
     others = sum(
         (

@@ -238,7 +238,7 @@ def _is_open(scene: LawScene, truth: LawRun, same: int) -> bool:
 Solver = Callable[[LawScene], LawVerdict]
 
 
-def stand_in(scene: LawScene, digits: int = 30, follow: Any = None) -> LawVerdict:
+def stand_in(scene: LawScene, digits: int = 50, follow: Any = None) -> LawVerdict:
     """Judge the oracle itself, with fewer digits: what tests this harness."""
     run = follow(scene) if follow else scene.truth(digits)
     status = "undecidable" if run.status == "undecided" else run.status

@@ -13,7 +13,7 @@ with a static limit FN mu_s on each belt. `follow` takes exact numbers and answe
 - The mass sticks while the needed force is at most static. At equality the first derivative
   along the stick that does not vanish decides; a force that only touches the limit holds.
 
-A number that decides and is within 10**(12 - digits) of zero, relative to its terms, counts as zero.
+A number that decides and is within 10**(4 - digits) of zero, relative to its terms, counts as zero.
 Within 10**(-0.42 digits) of it (1e-25 of 60 digits) the run ends as "undecided". Corners of a curve
 are no events and decide nothing: a touch of one changes the motion by less than the digits.
 """
@@ -214,7 +214,7 @@ class _Motion:
         self.B0 = B0
         self.Omega = Omega
         self.digits = digits
-        self.zero = 10.0 ** (12 - digits)
+        self.zero = 10.0 ** (4 - digits)
         self.doubt = 10.0 ** (-0.42 * digits)
         self.edges, self.bands = friction_table(c, A0, FN, belts)
         self.series: dict[int, _Series] = {}
