@@ -10,11 +10,15 @@ from random import Random
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
+from law_families import LawScene, scene_of
 from law_oracle import LawBelt, LawRun, follow, friction_table
 from law_reference import REFERENCES, Reference
 from oracle import simulate_oracle
 from scene_families import wide
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 DIGITS_KNOWN = 1e-24  # the printed values have 26 digits
 SCIPY = 1e-8  # what rtol = 1e-12 leaves after some ten events
@@ -160,3 +164,139 @@ def test_the_papers_oracle(number: int) -> None:
         for here, there in zip(ours.events, theirs.events, strict=True):
             assert abs(here.t - there.t) < 1e-38 * max(1, abs(there.t))
             assert abs(here.x - there.x) < 1e-38 * max(1, abs(there.x))
+
+
+# -- scipy -----------------------------------------------------------------------------------------
+
+
+def by_scipy(scene: LawScene, most: int) -> list[tuple[float, str, int, float]]:
+    """Follow a scene with DOP853 and event functions, from the law as it is written: (t, kind, belt, x).
+
+    Sides of belts are fixed during a flight, so corners are all that is not smooth in it.
+    """
+    m, c, k, A0, B0, FN, Omega = (
+        float(value)
+        for value in (scene.m, scene.c, scene.k, scene.A0, scene.B0, scene.FN, scene.Omega or 1)
+    )
+    belts = sorted(scene.belts, key=lambda belt: belt.v)
+    speeds = [float(belt.v) for belt in belts]
+    curves = [belt.curve or [(0, belt.mu)] for belt in belts]
+
+    def kinetic(number: int, w: float) -> float:
+        places = [float(place) for place, _ in curves[number]]
+        values = [float(value) for _, value in curves[number]]
+        beyond = float(belts[number].slope or 0) * max(0.0, w - places[-1])
+        return FN * (float(np.interp(w, places, values)) + beyond)
+
+    def drive(t: float, x: float, v: float) -> float:
+        return A0 + B0 * np.cos(Omega * t) - c * v - k * x
+
+    def acceleration(t: float, x: float, v: float, sides: list[int]) -> float:
+        friction = sum(
+            side * kinetic(number, abs(v - speeds[number])) for number, side in enumerate(sides)
+        )
+        return (drive(t, x, v) - friction) / m
+
+    def needed(t: float, x: float, number: int) -> float:
+        """Return the force that belt `number` must bring up to carry the mass."""
+        v = speeds[number]
+        others = sum(
+            (1 if v > speeds[other] else -1) * kinetic(other, abs(v - speeds[other]))
+            for other in range(len(belts))
+            if other != number
+        )
+        return others - drive(t, x, v)
+
+    def static(number: int) -> float:
+        here = belts[number].mu_s
+        return kinetic(number, 0.0) if here is None else FN * float(here)
+
+    def fly(t: float, x: float, v: float, sides: list[int], span: float, skip: int | None) -> Any:
+        events = []
+        for number in range(len(belts)):
+            if number != skip:
+                event = lambda t, y, number=number: y[1] - speeds[number]  # noqa: E731
+                event.terminal = True
+                events.append(event)
+        return solve_ivp(
+            lambda t, y: (y[1], acceleration(t, y[0], y[1], sides)),
+            (t, min(t + span, t_end)),
+            (x, v),
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-13,
+            events=events or None,
+            max_step=0.05 / Omega if any(belt.curve for belt in belts) else np.inf,
+        )
+
+    t = float(scene.t0)
+    x = float(scene.x0)
+    v = float(scene.v0)
+    t_end = float(scene.t_end)
+    found: list[tuple[float, str, int, float]] = []
+    on = next((n for n, belt in enumerate(belts) if belt.v == scene.v0), None)
+    sides = [1 if v > speed else -1 for speed in speeds]
+    stuck = False
+    arrived = None  # kind of the last flight: None at the start
+    while t < t_end and len(found) < most:
+        if on is not None and not stuck:
+            force = needed(t, x, on)
+            stuck = abs(force) <= static(on)
+            before = sides[on]
+            if not stuck:
+                sides[on] = -1 if force > 0 else 1
+            if arrived is not None:
+                kind = "stick" if stuck else "graze" if sides[on] == before else "cross"
+                found.append((t, kind, on + 1, x))
+        if stuck:
+            assert on is not None
+            number = on
+            reach = lambda s, t=t, x=x, number=number: (  # noqa: E731
+                abs(needed(t + s, x + speeds[number] * s, number)) - static(number)
+            )
+            step = 0.01 / Omega
+            s = 0.0
+            while t + s < t_end and reach(s + step) <= 0:
+                s += step
+            if t + s >= t_end:
+                break
+            s = brentq(reach, s, s + step, xtol=1e-15) if reach(s) < 0 else s
+            t += s
+            x += speeds[number] * s
+            v = speeds[number]
+            sides[number] = -1 if needed(t, x, number) > 0 else 1
+            found.append((t, "slip", number + 1, x))
+            stuck = False
+        # away from the belt first, so that its own event does not fire at once
+        if on is not None:
+            away = fly(t, x, v, sides, 1e-3, on)
+            t = float(away.t[-1])
+            x, v = (float(value) for value in away.y[:, -1])
+        rest = fly(t, x, v, sides, np.inf, None)
+        t = float(rest.t[-1])
+        x, v = (float(value) for value in rest.y[:, -1])
+        if rest.status != 1:
+            break
+        on = next(n for n, times in enumerate(rest.t_events) if len(times))
+        v = speeds[on]
+        arrived = True
+    return found[:most]
+
+
+SCIPY_SCENES = [("plain", n) for n in range(6)] + [
+    (family, 3)
+    for family in ("onbelt", "still", "free", "undamped", "undriven", "overdamped", "chaotic")
+] + [("curved", n) for n in range(6)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("family", "number"), SCIPY_SCENES)
+def test_scipy(family: str, number: int) -> None:
+    scene = scene_of(family, 7, number, 3)
+    ours = scene.truth(40)
+    theirs = by_scipy(scene, 12)
+    assert [(event.kind, event.boundary) for event in ours.events[:12]] == [
+        (kind, belt) for _, kind, belt, _ in theirs
+    ]
+    for event, (t, _, _, x) in zip(ours.events, theirs, strict=False):
+        assert abs(float(event.t) - t) < SCIPY * max(1, abs(t))
+        assert abs(float(event.x) - x) < SCIPY * max(1, abs(x))

@@ -14,9 +14,11 @@ from random import Random
 from typing import Any
 
 import mpmath
-from law_oracle import LawBelt, LawRun, _horner, _Motion, _Series, exact, follow
+from law_oracle import LawBelt, LawRun, Motion, exact, first_peak, follow
 from scene_families import TRIPLES, signed, size, tenth, text
 
+NUMBERS = ("m", "c", "k", "A0", "B0", "Omega", "FN")
+START = ("t0", "x0", "v0", "t_end")
 EVENTS = 20  # at most, of a scene
 TURNS = 300  # of the fastest rate, at most: what an oracle steps through
 
@@ -48,21 +50,19 @@ class LawScene:
     near: bool = False
     max_events: int = EVENTS
 
-    def truth(self, digits: int) -> LawRun:
-        names = "m c k A0 B0 Omega FN belts t0 x0 v0 t_end max_events".split()
-        return follow(**{name: getattr(self, name) for name in names}, digits=digits)
+    def truth(self, digits: int, motion: type[Motion] = Motion) -> LawRun:
+        names = (*NUMBERS, "belts", *START, "max_events")
+        return follow(**{name: getattr(self, name) for name in names}, digits=digits, motion=motion)
 
     def snippet(self) -> str:
         """Return Python that makes the scene again."""
         law = ", ".join(
             f"{name}={text(getattr(self, name))}"
-            for name in "m c k A0 B0 Omega FN".split()
+            for name in NUMBERS
             if getattr(self, name) is not None
         )
         belts = ", ".join(map(belt_text, self.belts))
-        start = ", ".join(
-            f"{name}={text(getattr(self, name))}" for name in "t0 x0 v0 t_end".split()
-        )
+        start = ", ".join(f"{name}={text(getattr(self, name))}" for name in START)
         return (
             f"oscillator = Oscillator({law}, belts=[{belts}])\n"
             f"simulate(oscillator, {start}, max_events={self.max_events})"
@@ -128,7 +128,19 @@ def plain_law(rng: Random, number: int, most: int) -> dict[str, Any]:
     speeds = [belt.v for belt in belts]
     v0 = Fraction(f"{rng.uniform(float(min(speeds)) - 0.5, float(max(speeds)) + 0.5):.3g}")
     t0 = rng.choice([Fraction(0), Fraction(0), tenth(rng, -20, 100)])
-    return dict(m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, FN=FN, belts=belts, t0=t0, x0=x0, v0=v0)
+    return {
+        "m": m,
+        "c": c,
+        "k": k,
+        "A0": A0,
+        "B0": B0,
+        "Omega": Omega,
+        "FN": FN,
+        "belts": belts,
+        "t0": t0,
+        "x0": x0,
+        "v0": v0,
+    }
 
 
 def finished(family: str, number: int, law: dict[str, Any], rng: Random, **more: Any) -> LawScene:
@@ -228,16 +240,21 @@ def chaotic(rng: Random, number: int, most: int) -> LawScene:
     law = plain_law(rng, number, most)
     if rng.random() < 0.5:
         kinetic = Fraction(7, 10)
-        law |= dict(c=Fraction(1, 20), B0=Fraction(3, 5), Omega=tenth(rng, 13, 15), A0=Fraction(0))
+        law |= {
+            "c": Fraction(1, 20),
+            "B0": Fraction(3, 5),
+            "Omega": tenth(rng, 13, 15),
+            "A0": Fraction(0),
+        }
         law["belts"] = (
             LawBelt(Fraction(1, 10), kinetic, Fraction(round(rng.uniform(90, 140)), 100)),
         )
     else:
-        law |= dict(c=Fraction(0), B0=Fraction(1), A0=Fraction(0))
+        law |= {"c": Fraction(0), "B0": Fraction(1), "A0": Fraction(0)}
         law["Omega"] = Fraction(round(rng.uniform(40, 65)), 100)
         kinetic = Fraction(round(rng.uniform(5, 25)), 100)
         law["belts"] = (LawBelt(Fraction(0), kinetic, Fraction(round(rng.uniform(70, 90)), 100)),)
-    law |= dict(m=Fraction(1), k=Fraction(1), FN=Fraction(1))
+    law |= {"m": Fraction(1), "k": Fraction(1), "FN": Fraction(1)}
     return finished("chaotic", number, law, rng)
 
 
@@ -283,10 +300,10 @@ def arriving(rng: Random, number: int, most: int) -> LawScene:
     speed = distance * Fraction(q, p) * root
     push = rng.choice([Fraction(0), Fraction(0), signed(rng, -16, -4, 2)])
     x0 = (A0 + mu * FN) / k + distance * Fraction(hypotenuse, p) * (1 + push)
-    law = dict(
-        m=m, c=Fraction(0), k=k, A0=A0, B0=Fraction(0), Omega=None, FN=FN,
-        belts=(LawBelt(speed, mu, mu_s),), t0=tenth(rng, 0, 20), x0=x0, v0=Fraction(0),
-    )  # fmt: skip
+    law = {
+        "m": m, "c": Fraction(0), "k": k, "A0": A0, "B0": Fraction(0), "Omega": None, "FN": FN,
+        "belts": (LawBelt(speed, mu, mu_s),), "t0": tenth(rng, 0, 20), "x0": x0, "v0": Fraction(0),
+    }  # fmt: skip
     return finished("arriving", number, law, rng, near=abs(push) < Fraction(1, 10**9))
 
 
@@ -310,10 +327,10 @@ def touching(rng: Random, number: int, most: int) -> LawScene:
     if k:
         x0 += (A0 + mu * FN) / k
     belt = LawBelt(speed * (1 + push), mu, static(rng, mu))
-    law = dict(
-        m=m, c=Fraction(0), k=k, A0=A0, B0=B0, Omega=Omega, FN=FN, belts=(belt,),
-        t0=Fraction(0), x0=x0, v0=Fraction(0),
-    )  # fmt: skip
+    law = {
+        "m": m, "c": Fraction(0), "k": k, "A0": A0, "B0": B0, "Omega": Omega, "FN": FN, "belts": (belt,),
+        "t0": Fraction(0), "x0": x0, "v0": Fraction(0),
+    }  # fmt: skip
     return finished("touching", number, law, rng, near=abs(push) < Fraction(1, 10**9))
 
 
@@ -323,49 +340,13 @@ def aimed(rng: Random, number: int, most: int) -> LawScene:
     belt = law["belts"][0]._replace(v=Fraction(1000))
     law["belts"] = (belt,)
     law["v0"] = Fraction(f"{rng.uniform(-1, 1):.3g}")
-    peak = _peak(law)
+    peak = first_peak(**law)
     if peak is None:
         return finished("aimed", number, law, rng)
     push = signed(rng, -16, -3, 2)
     speed = Fraction(mpmath.nstr(peak, 40)) + push
     law["belts"] = (belt._replace(v=speed),)
     return finished("aimed", number, law, rng, near=abs(push) < Fraction(1, 10**9))
-
-
-def _peak(law: dict[str, Any]) -> Any:
-    """Return a maximum of the velocity below a far belt, to 45 digits, larger than those before."""
-    names = "m c k A0 B0 Omega FN belts".split()
-    motion = _Motion(*(law[name] for name in names), 50)
-    motion.dps = 60
-    motion.span = 100.0
-    with mpmath.workdps(60):
-        motion.constants()
-        series = _Series(motion, 0)
-        t = mpmath.mpf(0) + mpmath.mpf(law["t0"].numerator) / law["t0"].denominator
-        x = mpmath.mpf(law["x0"].numerator) / law["x0"].denominator
-        v = mpmath.mpf(law["v0"].numerator) / law["v0"].denominator
-        for _ in range(12):
-            a = series.coefficients(t, x, v)
-            slopes = [n * a[n] for n in range(1, len(a))]
-            bends = [n * slopes[n] for n in range(1, len(slopes))]
-            places = [mpmath.mpf(n) / 64 for n in range(65)]
-            rates = [_horner(slopes, place) for place in places]
-            for n in range(64):
-                if rates[n] > 0 >= rates[n + 1]:
-                    place = mpmath.findroot(
-                        lambda s, slopes=slopes: _horner(slopes, s),
-                        (places[n], places[n + 1]),
-                        solver="anderson",
-                        tol=1e-100,
-                        verify=False,
-                    )
-                    for _ in range(6):
-                        place -= _horner(slopes, place) / _horner(bends, place)
-                    return _horner(a, place)
-            x += series.h * series.integral(a, mpmath.mpf(1))
-            v = _horner(a, mpmath.mpf(1))
-            t += series.h
-    return None
 
 
 def turning(rng: Random, number: int, most: int) -> LawScene:
@@ -387,7 +368,7 @@ def resting(rng: Random, number: int, most: int) -> LawScene:
     belt = law["belts"][0]._replace(v=Fraction(0))
     limit = law["FN"] * belt.mu_s
     law["B0"] = limit * Fraction(rng.randint(1, 9), 10)
-    law |= dict(belts=(belt,), A0=Fraction(0), v0=Fraction(0), t0=Fraction(0))
+    law |= {"belts": (belt,), "A0": Fraction(0), "v0": Fraction(0), "t0": Fraction(0)}
     side = rng.choice([1, -1])
     law["B0"] *= side
     push = rng.choice([Fraction(0), signed(rng, -18, -4, 2)])

@@ -20,8 +20,8 @@ from typing import Any
 
 import mpmath
 import numpy as np
-from law_families import CURVES, FAMILIES, STATIC, LawScene, scene_of, with_changes
-from law_oracle import LawRun
+from law_families import CURVES, FAMILIES, NUMBERS, STATIC, LawScene, scene_of, with_changes
+from law_oracle import LawRun, Motion
 from tabulate import tabulate
 
 BULK = 40  # digits of the first answer
@@ -238,9 +238,9 @@ def _is_open(scene: LawScene, truth: LawRun, same: int) -> bool:
 Solver = Callable[[LawScene], LawVerdict]
 
 
-def stand_in(scene: LawScene, digits: int = 50, follow: Any = None) -> LawVerdict:
+def stand_in(scene: LawScene, digits: int = 50, motion: type[Motion] = Motion) -> LawVerdict:
     """Judge the oracle itself, with fewer digits: what tests this harness."""
-    run = follow(scene) if follow else scene.truth(digits)
+    run = scene.truth(digits, motion)
     status = "undecidable" if run.status == "undecided" else run.status
     events = [
         SimpleNamespace(
@@ -263,8 +263,7 @@ def oscillator_of(scene: LawScene) -> Any:
         if belt.curve is not None:
             options |= {"curve": list(belt.curve), "slope": belt.slope}
         belts.append(symosc.Belt(belt.v, belt.mu, **options))
-    names = "m c k A0 B0 Omega FN".split()
-    return symosc.Oscillator(**{name: getattr(scene, name) for name in names}, belts=belts)
+    return symosc.Oscillator(**{name: getattr(scene, name) for name in NUMBERS}, belts=belts)
 
 
 def package(scene: LawScene, digits: int | None = None) -> LawVerdict:

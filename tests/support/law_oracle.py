@@ -187,14 +187,31 @@ def follow(
     t_end: Any,
     max_events: int = 10_000,
     digits: int = 60,
+    motion: type[Motion] | None = None,
 ) -> LawRun:
-    """Follow one motion of a law; belts are LawBelts, or mappings with their names."""
+    """Follow one motion of a law; belts are LawBelts, or mappings with their names.
+
+    Another `motion` than Motion is how tests make mistakes.
+    """
     law = (m, c, k, A0, B0, 1 if Omega is None else Omega, FN)
-    motion = _Motion(*map(exact, law), belts, digits)
-    return motion.run(exact(t0), exact(x0), exact(v0), exact(t_end), max_events)
+    follower = (motion or Motion)(*map(exact, law), belts, digits)
+    return follower.run(exact(t0), exact(x0), exact(v0), exact(t_end), max_events)
 
 
-class _Motion:
+def first_peak(
+    m: Any, c: Any, k: Any, A0: Any, B0: Any, Omega: Any, FN: Any, belts: Sequence[Any],
+    t0: Any, x0: Any, v0: Any, digits: int = 50,
+) -> Any:  # fmt: skip
+    """Return the first maximum of the velocity in the band of the start, or None if none comes soon.
+
+    Corners and belts are not looked for: none may be met before.
+    """
+    law = (m, c, k, A0, B0, 1 if Omega is None else Omega, FN)
+    motion = Motion(*map(exact, law), belts, digits)
+    return motion.first_peak(exact(t0), exact(x0), exact(v0))
+
+
+class Motion:
     """The state (t, x, v), where it is, and what moves it."""
 
     def __init__(
@@ -249,6 +266,38 @@ class _Motion:
             result.x = +self.x
             result.v = +self.v
         return result
+
+    def first_peak(self, t0: Fraction, x0: Fraction, v0: Fraction) -> Any:
+        self.dps = self.digits + GUARD
+        self.span = 100.0
+        with mpmath.workdps(self.dps):
+            self.t = _mpf(t0)
+            self.x = _mpf(x0)
+            self.v = _mpf(v0)
+            self.constants()
+            self.start(v0)
+            series = _Series(self, self.band)
+            for _ in range(12):
+                a = series.coefficients(self.t, self.x, self.v)
+                slopes = [n * a[n] for n in range(1, len(a))]
+                bends = [n * slopes[n] for n in range(1, len(slopes))]
+                places = [mpmath.mpf(n) / 64 for n in range(65)]
+                rates = [_horner(slopes, place) for place in places]
+                for n in range(64):
+                    if rates[n] > 0 >= rates[n + 1]:
+                        place = _bracketed(
+                            lambda s, slopes=slopes: _horner(slopes, s),
+                            lambda s, bends=bends: _horner(bends, s),
+                            places[n],
+                            places[n + 1],
+                            True,
+                            self.dps,
+                        )
+                        return _horner(a, place)
+                self.x += series.h * series.integral(a, mpmath.mpf(1))
+                self.v = _horner(a, mpmath.mpf(1))
+                self.t += series.h
+        return None
 
     def constants(self) -> None:
         self.V = [_mpf(edge.V) for edge in self.edges]
@@ -598,7 +647,7 @@ class _Motion:
 class _Series:
     """Coefficients of the recurrence of the velocity's series in one band, over a step of length h."""
 
-    def __init__(self, motion: _Motion, number: int) -> None:
+    def __init__(self, motion: Motion, number: int) -> None:
         band = motion.bands[number]
         cm = float(band.c / motion.m)
         w2 = float(motion.k / motion.m)
