@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import inf, log
+from math import inf, log, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -29,14 +29,16 @@ from symosc.engine.state import GRAZE, ON_BELT
 from symosc.kernels import linear
 from symosc.kernels.entire import EPS
 from symosc.mappings.equations import MapArithmetic, map_arithmetic
-from symosc.model import Parameters
+from symosc.model import Model
 from symosc.scenes import Scene, scene_of
 from symosc.simulation.loops import CHOICE
+from symosc.simulation.problems import number_of
 from symosc.simulation.simulate import read_start, simulate
 from symosc.simulation.tangents import (
     codes_of,
     columns_of,
     is_deep,
+    names_of,
     read_wrt,
     work_space,
 )
@@ -47,6 +49,10 @@ SPARE = 10
 PHASE_DIGITS = 40
 #: Digits to compute derivatives with if double precision loses too many.
 MORE_DIGITS = 30
+#: Parts of a motion whose exponents tell how much the mean of all scatters, and the least number of
+#: events to divide.
+PARTS = 16
+LEAST_EVENTS = 4 * PARTS
 #: With more events or times than this, compiled code is looked for on disk.
 MANY = 2_000
 #: Why a derivative does not exist, by the code of the reason.
@@ -79,7 +85,10 @@ class Sensitivities(Comparable):
         For each event a text on what is not regular from there on, or None.
     lyapunov : array, (2,)
         The exponents, per unit of time, of the distance of neighbouring motions over this motion;
-        the second is -inf where a stick occurred.
+        the second is -inf where a stick occurred. A positive one says that the motion is chaotic.
+    lyapunov_error : float
+        Standard error of the first exponent as a mean over time, from 16 parts of the motion; NaN
+        with fewer than 64 events.
 
     Examples
     --------
@@ -103,6 +112,11 @@ class Sensitivities(Comparable):
         larger one first.
         """
         return self._motion.exponents()
+
+    @cached_property
+    def lyapunov_error(self) -> float:
+        """The standard error of the first Lyapunov exponent as a mean over time."""
+        return self._motion.exponent_error()
 
     @public
     def __call__(self, t: ArrayLike) -> np.ndarray:
@@ -152,9 +166,8 @@ class _Columns:
             self.kind = object
         number = self.numbers.number
         piece = trajectory._pieces[:, 0]
-        self.letters = np.array(
-            [[number(value) for value in (p.m, p.mu1, p.mu2, p.FN)]], dtype=self.kind
-        )
+        letters = [number(number_of(p, name)) for name in tangent.Letters._fields]
+        self.letters = np.array([letters], dtype=self.kind)
         if self.context:
             theta = many_digits(p, self.context.dps).phase(start.t0)[0]
         else:
@@ -200,9 +213,13 @@ class _Columns:
             return compiled[name], table_of([self.numbers.K])
         return self.numbers.of[name], [self.numbers.K]
 
-    def event_derivatives(self, wrt: tuple[str, ...], count: int) -> tuple[np.ndarray, ...]:
+    def event_derivatives(
+        self, wrt: tuple[str, ...], count: int, first_events: int | None = None
+    ) -> tuple[np.ndarray, ...]:
         """Return dt, dx, marks, reasons, growth and last: derivatives of all events by the first
         `count` names.
+
+        Of the events after the number `first_events`, if that is given, nothing is computed.
 
         A mark is 1 where the derivative exists, else says why not; a reason is a code for each
         event, 0 if there is none. Growth is the logarithms of how lengths and areas grow; last has
@@ -214,7 +231,7 @@ class _Columns:
         out = *kept, np.zeros((events, count), np.int8), np.zeros(events, np.int8), np.zeros((1, 2))
         work = work_space(codes, self.kind)
         first = np.zeros(1, np.int64)
-        cuts = np.array([0, events])
+        cuts = np.array([0, events if first_events is None else first_events])
         loop, table = self.loop("tangents", events)
         loop(
             first,
@@ -319,9 +336,26 @@ class _Columns:
         return np.array(sorted((first, second), reverse=True))
 
 
+    def exponent_error(self) -> float:
+        """Return the standard error of the first exponent, from its values in PARTS parts of the
+        motion.
+        """
+        events = len(self.rows[0])
+        if events < LEAST_EVENTS:
+            return nan
+        ends = np.linspace(0, events, PARTS + 1).astype(int)
+        grown = [0.0]
+        for end in ends[1:].tolist():
+            *_, growth, _ = self.event_derivatives(("x0", "v0"), 0, end)
+            grown.append(float(growth[0, 0]))
+        times = [self.starts[0, 1], *self.rows[0][ends[1:] - 1]]
+        rates = np.diff(grown) / np.diff(np.array(times, dtype=float))
+        return float(rates.std(ddof=1) / sqrt(PARTS))
+
+
 @public
 def sensitivities(
-    what: Scene | Parameters | SceneName,
+    what: Scene | Model | SceneName,
     wrt: str | Sequence[str] = ("Omega", "mu1", "x0"),
     *,
     t0: NumberLike | None = None,
@@ -339,7 +373,8 @@ def sensitivities(
     what, t0, x0, v0, t_end, max_events, digits
         The motion, as for `symosc.simulate`.
     wrt : str or sequence of str
-        Names of parameters, and t0, x0, v0.
+        Names of parameters, and t0, x0, v0. Those of belts are v1, mu1, mu_s1, v2 and so on; where
+        static friction equals kinetic friction, mu1 is both.
 
     Returns
     -------
@@ -357,12 +392,12 @@ def sensitivities(
     >>> s.trajectory.events[1].kind, s.dt[1].round(6).tolist()
     ('slip', [0.93701, -0.095516])
     """
-    what = scene_of(what, "what")
+    what = scene_of(what, "what", any_law=True)
     require(*NAMES, wrt=wrt)
     require_or_none(NUMBER, t0=t0, x0=x0, v0=v0, t_end=t_end)
     require_or_none(WHOLE, max_events=max_events, digits=digits)
-    names = read_wrt(wrt)
     start = read_start(what, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, None)
+    names = read_wrt(wrt, names_of(start.parameters))
     about: dict[str, Any] = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}
     about |= {"max_events": max_events} | (
         {"start_error": start.start_error} if start.start_error else {}
@@ -370,7 +405,7 @@ def sensitivities(
     motion = simulate(start.parameters, **about, digits=digits)
     columns = _Columns(motion, start)
     dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
-    belts = max(abs(float(start.parameters.v1)), abs(float(start.parameters.v2)))
+    belts = max(abs(float(belt.v)) for belt in start.parameters.law.belts)
     # A rounding that dx may have from v dt, relative to max(1, |dx|): with t0 = 1e8 all times
     # depend much on Omega.
     late = EPS * belts * np.abs(dt) > 1e-12 * np.maximum(1, np.abs(dx))
@@ -421,7 +456,7 @@ def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -
     mode, _, _, _, v = columns.starts[0]
     p = columns.trajectory.parameters
     number = columns.numbers.number
-    on = [name for n, name in ((1, "v1"), (2, "v2")) if v == number(p.belt(n))]
+    on = [f"v{n}" for n, belt in enumerate(p.law.belts, 1) if v == number(belt.v)]
     if not on:
         return None
     off = [name for name in wrt if name in ("v0", *on)]

@@ -10,10 +10,11 @@ by the implicit function theorem. So the derivatives of all events follow from e
 crossings and sticks; nothing is differenced.
 
 A motion needs no more than its columns of events: `tangents` runs over those of many motions. Each
-column of derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAMES`, or
-T0, X0, V0. `codes` are those asked for, and `deep` says whether m, c, k or Omega is among them.
-`work` is scratch space, with a row for each of DT to BY_V. `starts` are rows of mode, t, theta, x,
-v; `sets` are indices of the motions' constants in `table` and of their parameters in `letters`.
+column of derivatives has a code: the number of a parameter in `symosc.model.PARAMETER_NAMES`,
+MU_S1 or MU_S2 for a static coefficient of its own, or T0, X0, V0. `codes` are those asked for, and
+`deep` says whether m, c, k or Omega is among them. `work` is scratch space, with a row for each of
+DT to BY_V. `starts` are rows of mode, t, theta, x, v; `sets` are indices of the motions' constants
+in `table` and of their parameters in `letters`.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from math import floor, inf, log, pi
 from typing import NamedTuple
 
 from symosc.base.aliases import Number
-from symosc.engine.flow import constant_force, friction_signs
+from symosc.engine.flow import belt_at, constant_force, friction_signs
 from symosc.engine.state import GRAZE, ON_BELT, STICK
 from symosc.kernels._generated import (
     acceleration,
@@ -48,8 +49,8 @@ SMALL = 1e10
 # A part of a flight that is no whole number of its periods, however many it lasts.
 GOLDEN = 0.6180339887498949
 # Codes of columns.
-M, C, K_, A0, B0, OMEGA, V1, V2, MU1, MU2, FN, T0, X0, V0 = range(14)
-PARAMETERS = 11
+M, C, K_, A0, B0, OMEGA, V1, V2, MU1, MU2, FN, MU_S1, MU_S2, T0, X0, V0 = range(16)
+PARAMETERS = 13
 # Marks of a derivative beside 1, regular, and 0: at a graze, whether it opens for larger or for
 # smaller values.
 OPENS_ABOVE = 2
@@ -106,8 +107,8 @@ def phase_between(start, t, theta, K):
 
 
 def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by_Om):
-    """Write a quantity's derivatives by all 11 parameters into a row of `work`, from those by m, c,
-    k, A, B0, Omega.
+    """Write a quantity's derivatives by all parameters into a row of `work`, from those by m, c, k,
+    A, B0, Omega.
     """
     drag1, drag2 = friction_signs(domain)
     work[row, M] = by_m
@@ -121,6 +122,25 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
     work[row, MU1] = drag1 * letters.FN * by_A
     work[row, MU2] = drag2 * letters.FN * by_A
     work[row, FN] = (drag1 * letters.mu1 + drag2 * letters.mu2) * by_A
+    work[row, MU_S1] = 0.0 * by_A
+    work[row, MU_S2] = 0.0 * by_A
+
+
+def hold_with_static(row, domain, boundary, letters, by_A, K, work):
+    """Turn derivatives of a force at a belt, written by `fill_parameters`, into those of the force
+    that decides whether the belt holds the mass: there static friction of this belt takes the place
+    of kinetic friction.
+    """
+    belt = belt_at(boundary, K)
+    if belt.E > 0.0:
+        if domain == boundary:
+            drag = 1.0
+        else:
+            drag = -1.0
+        work[row, MU1 + boundary - 1] = 0.0 * by_A
+        work[row, MU_S1 + boundary - 1] = drag * letters.FN * by_A
+        # mu_s - mu = E m/FN
+        work[row, FN] += drag * (belt.E * letters.m / letters.FN) * by_A
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
@@ -196,19 +216,32 @@ def force(domain, now, K):
     return F, EPS * (abs(A) + abs(K.cm * now.v) + abs(K.w0sq * now.x) + abs(K.f0))
 
 
-def vanishes(domain, now, K):
-    """Return whether the acceleration in a domain is 0 up to rounding at the point `now`."""
+def deciding_force(domain, boundary, now, K):
+    """Return the force in a domain beside a belt that decides whether the belt holds the mass, 0
+    where this changes, and the size of its rounding error.
+    """
     F, rounding = force(domain, now, K)
+    E = belt_at(boundary, K).E
+    if domain == boundary:
+        F = F + E
+    else:
+        F = F - E
+    return F, rounding + EPS * E
+
+
+def vanishes(domain, boundary, now, K):
+    """Return whether the deciding force is 0 up to rounding at the point `now`."""
+    F, rounding = deciding_force(domain, boundary, now, K)
     return abs(F) <= VANISHES * rounding
 
 
-def force_changes(domain, now, codes, letters, K, work):
-    """Write a force's derivatives by `codes` into `work`.
+def force_changes(domain, boundary, now, codes, letters, K, work):
+    """Write the deciding force's derivatives by `codes` into `work`.
 
     Return its rates in time by the motion and by the drive.
     """
     # Rows END_X and END_V have the derivatives of x and v at this time.
-    F, rounding = force(domain, now, K)
+    F, rounding = deciding_force(domain, boundary, now, K)
     if abs(F) <= VANISHES * rounding:
         F = 0.0 * F
     of_c, of_k, of_A, of_B, of_v, of_m, _, _ = stick_parameters(
@@ -216,6 +249,7 @@ def force_changes(domain, now, codes, letters, K, work):
     )
     _, _, of_x, of_theta = stick_jacobian(now.v, now.s, K.w0sq, K.f0, K.Om)
     fill_parameters(work, BY_V, domain, letters, of_m, of_c, of_k, of_A, of_B, of_theta * now.t)
+    hold_with_static(BY_V, domain, boundary, letters, of_A, K, work)
     for j in range(len(codes)):
         work[SIZE, j] = of_x * work[END_X, j] + of_v * work[END_V, j]
         if codes[j] < PARAMETERS:
@@ -223,13 +257,13 @@ def force_changes(domain, now, codes, letters, K, work):
     return of_x * now.v, of_theta * K.Om
 
 
-def vanishing_times(domain, now, codes, letters, K, work):
-    """Write derivatives by `codes` of the time when a force passes 0 into `work`.
+def vanishing_times(domain, boundary, now, codes, letters, K, work):
+    """Write derivatives by `codes` of the time when a deciding force passes 0 into `work`.
 
     Return REGULAR, or what is wrong.
     """
     # Rows END_X and END_V have the derivatives of x and v at this fixed time.
-    by_motion, by_drive = force_changes(domain, now, codes, letters, K, work)
+    by_motion, by_drive = force_changes(domain, boundary, now, codes, letters, K, work)
     rate = by_motion + by_drive
     rounding = EPS * (abs(by_motion) + abs(K.f0 * K.Om))
     flat = abs(rate) <= VANISHES * rounding
@@ -242,13 +276,14 @@ def vanishing_times(domain, now, codes, letters, K, work):
     return REGULAR
 
 
-def contact_times(domain, far_domain, belt, now, a, codes, K, work):
+def contact_times(domain, boundary, now, a, codes, K, work):
     """Write derivatives by `codes` of when a flight meets a belt with v' = `a`.
 
     Return as `vanishing_times` does.
     """
     # `a` is the acceleration that the flight arrives with: the balance of forces at a rounded point
     # may know it worse.
+    belt = V1 + boundary - 1  # the code of the belt's speed
     for j in range(len(codes)):
         if codes[j] == belt:
             own = 1.0  # the belt's speed itself changes
@@ -258,7 +293,11 @@ def contact_times(domain, far_domain, belt, now, a, codes, K, work):
     F, rounding = force(domain, now, K)
     if abs(F) <= VANISHES * rounding:
         return FLAT_CONTACT
-    if vanishes(far_domain, now, K):
+    if domain == boundary:
+        far_domain = boundary + 1
+    else:
+        far_domain = boundary
+    if vanishes(far_domain, boundary, now, K):
         return NO_FORCE
     if abs(F) <= SMALL * rounding:
         return ROUGH
@@ -329,17 +368,15 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
             a = piece_changes(start, now.t, turn, codes, deep, own_letters, K, work)
             if kind == GRAZE:
                 touched = kinks(start.mode != boundary, belt, codes, marks, n, regular, kept, work)
-                vanishing_times(start.mode, now, codes, own_letters, K, work)
+                vanishing_times(start.mode, boundary, now, codes, own_letters, K, work)
                 if touched:
                     reason = KINK
                 else:
                     reason = REGULAR
             elif start.mode > ON_BELT:
-                reason = vanishing_times(now.mode, now, codes, own_letters, K, work)
+                reason = vanishing_times(now.mode, boundary, now, codes, own_letters, K, work)
             else:
-                reason = contact_times(
-                    start.mode, boundary + (start.mode == boundary), belt, now, a, codes, K, work
-                )
+                reason = contact_times(start.mode, boundary, now, a, codes, K, work)
             reasons[n] = reason
             for j in range(len(codes)):
                 work[DX, j] = work[END_X, j] + now.v * work[DT, j]
@@ -408,12 +445,14 @@ def begin(start, codes, count, letters, K, work):
         for j in range(count):
             regular[j] = codes[j] != V0 and codes[j] != belt
         for domain in (boundary, boundary + 1):
-            if not vanishes(domain, start, K):
+            if not vanishes(domain, boundary, start, K):
                 continue
             for j in range(count):
                 work[END_X, j] = work[DX, j]
                 work[END_V, j] = 0.0 * start.t
-            by_motion, by_drive = force_changes(domain, start, codes[:count], letters, K, work)
+            by_motion, by_drive = force_changes(
+                domain, boundary, start, codes[:count], letters, K, work
+            )
             # At a turn of the drive another t0 changes the force as cos(Omega t) bends.
             turns = abs(by_drive) <= UNMOVED * abs(K.f0 * K.Om)
             for j in range(count):

@@ -52,7 +52,7 @@ from symosc.friction import MAPS, MODE_NAMES, NEIGHBOURS, Map
 from symosc.kernels import mapping
 from symosc.kernels.rebind import bind
 from symosc.mappings.points import POINT_NAMES, is_array, point_columns, scalar
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Model, Parameters
 from symosc.scenes import ParametersLike, parameters_of
 
 EXITS = ("below", "above")
@@ -289,7 +289,7 @@ def _parameter_jacobian(
 # --- arithmetics ---
 
 
-def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmetic:
+def map_arithmetic(p: Model, context: Context | None = None) -> MapArithmetic:
     """Return constants and kernel functions for maps of single numbers: doubles, or numbers of an
     mpmath context.
     """
@@ -299,7 +299,7 @@ def map_arithmetic(p: Parameters, context: Context | None = None) -> MapArithmet
 
 
 @lru_cache(maxsize=128)
-def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
+def _doubles(p: Model, arrays: bool = False) -> MapArithmetic:
     """Return constants and kernel functions for maps in doubles, of single numbers or of numpy
     arrays.
     """
@@ -310,7 +310,7 @@ def _doubles(p: Parameters, arrays: bool = False) -> MapArithmetic:
 
 
 @lru_cache(maxsize=16)
-def _mp_numbers(p: Parameters, context: Context, precision: int) -> MapArithmetic:
+def _mp_numbers(p: Model, context: Context, precision: int) -> MapArithmetic:
     """Return constants and kernel functions for maps of mpmath numbers with the context's
     `precision` in bits.
     """

@@ -108,7 +108,7 @@ from symosc.simulation.simulate import (
     read_most,
 )
 from symosc.simulation.tables import CHANGES, SUMMARY_COLUMNS, Summary, table_from
-from symosc.simulation.tangents import event_changes, read_wrt
+from symosc.simulation.tangents import event_changes, names_of, read_wrt
 from symosc.simulation.trajectory import Trajectory
 from symosc.words import Word
 
@@ -217,7 +217,7 @@ def simulate_many(
         if wrt is None:
             names: tuple[str, ...] = ()
         else:
-            names = read_wrt(wrt)
+            names = read_wrt(wrt, names_of(problems.sets[0]))
         work = partial(events_of, task, names, use_numba)
     elif wrt is not None:
         raise ParameterError(

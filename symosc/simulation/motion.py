@@ -60,6 +60,7 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import no_tally
+from symosc.kernels.entire import EPS
 from symosc.simulation.loops import CHOICE
 
 # The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as
@@ -499,9 +500,12 @@ class MotionInDigits(Motion):
         t, t_error, x_error = map(float, clock)
         x = float(event.state.x)
         noise = self._limits.noise
-        self.is_known = self.from_start or (
-            batch.is_below(noise, t_error, t) and batch.is_below(noise, x_error, x)
-        )
+        if self.from_start:
+            # Where neighbouring motions move apart, digits are eaten however exact the start is.
+            least = max(self._limits.accuracy, EPS)
+            self.is_known = not batch.is_inexact(t, t_error, x, x_error, self._rounded_t0, least)
+        else:
+            self.is_known = batch.is_below(noise, t_error, t) and batch.is_below(noise, x_error, x)
         told = t, batch.rounding_error(t_error, t), batch.rounding_error(x_error, x)
         numbers = self.arithmetic.following["event_numbers"](before, event, told, self.K)
         self._events.append((tuple(map(float, numbers)), event_codes(before, event)))
@@ -588,6 +592,12 @@ class FinerMotion:
         (start, *_) = self._problem
         if isinstance(now, MotionInPairs):
             return self._go_on(self._least, now)
+        if now.from_start and not now.is_known:
+            digits = 2 * now.digits
+            self.open_at = float(now.state.t)
+            self.open_in = now.digits
+            now.undo()
+            return digits <= MOST_GRAZE and self._go_on(digits)
         events_before = now.count - (now.code <= GRAZE)  # the contact itself may be counted
         base = 2 * self._least // GRAZE_TIMES
         if events_before > self._asked_at:  # not the first contact that took more digits

@@ -319,11 +319,11 @@ class ParameterSets:
         return self._known[i]
 
     def column(self, name: str) -> NumberColumn:
-        """Return the column of the parameter `name`."""
-        if name not in self.columns:
+        """Return the column of the parameter `name`; zeros for one of a missing belt."""
+        if name not in self.columns and self._known:
             values = [number_of(p, name) for p in self._known.values()]
             self.columns[name] = NumberColumn(name, values)
-        return self.columns[name]
+        return self.columns.get(name) or NumberColumn(name, 0)
 
     def doubles(self, names: Sequence[str], rows: slice) -> np.ndarray:
         """Return the parameters with these names as doubles, (sets, names), for the sets in `rows`."""
@@ -369,13 +369,15 @@ def _common_names(sets: Sequence[Model]) -> tuple[str, ...]:
 
 
 def number_of(p: Model, name: str) -> Fraction:
-    """Return a parameter by its name; the static coefficient is the kinetic one where it has no own."""
+    """Return a parameter by its name: for a static coefficient that is not there the kinetic one,
+    for one of a missing belt 0.
+    """
     if name in OSCILLATOR_NAMES:
         return getattr(p, name)
     numbers = p.numbers()
     if name in numbers:
         return numbers[name]
-    return numbers[name.replace("mu_s", "mu")]
+    return numbers.get(name.replace("mu_s", "mu"), Fraction(0))
 
 
 class Problems:

@@ -11,16 +11,28 @@ from symosc.base.errors import ParameterError, meant
 from symosc.engine.batch import EventRows, large_array
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.tangent import K_, OMEGA, PARAMETERS, SIZE, C, M
-from symosc.model import PARAMETER_NAMES
+from symosc.model import PARAMETER_NAMES, Model
+from symosc.simulation.problems import START_COLUMNS, STATIC_NAMES
 
-#: What a motion is differentiated by, in the order of the codes of `symosc.engine.tangent`.
-NAMES = (*PARAMETER_NAMES, "t0", "x0", "v0")
+#: What a motion is differentiated by; and all names in the order of the codes of
+#: `symosc.engine.tangent`.
+NAMES = (*PARAMETER_NAMES, *START_COLUMNS)
+CODED = (*PARAMETER_NAMES, *STATIC_NAMES, *START_COLUMNS)
 
 
-def read_wrt(wrt: Any) -> tuple[str, ...]:
+def names_of(p: Model) -> tuple[str, ...]:
+    """Return all names with respect to which a motion can be differentiated.
+
+    A belt whose static coefficient equals the kinetic one has one coefficient, mu.
+    """
+    equal = [f"mu_s{n}" for n, belt in enumerate(p.law.belts, 1) if belt.mu_s in (None, belt.mu)]
+    return (*(name for name in p.numbers() if name not in equal), *START_COLUMNS)
+
+
+def read_wrt(wrt: Any, known: Sequence[str] = NAMES) -> tuple[str, ...]:
     """Return the names with respect to which to differentiate.
 
-    ParameterError if one is unknown or given twice.
+    ParameterError if one is not `known` or given twice.
     """
     if isinstance(wrt, str):
         names: tuple[str, ...] = (str(wrt),)
@@ -29,9 +41,9 @@ def read_wrt(wrt: Any) -> tuple[str, ...]:
     else:
         names = tuple(wrt)
     for name in names:
-        if name not in NAMES:
+        if name not in known:
             raise ParameterError(
-                "wrt", name, f"must be one of {', '.join(NAMES)}{meant(str(name), NAMES)}"
+                "wrt", name, f"must be one of {', '.join(known)}{meant(str(name), known)}"
             )
     if not names or len(set(names)) < len(names):
         raise ParameterError("wrt", names, "must be one or more different names")
@@ -40,7 +52,7 @@ def read_wrt(wrt: Any) -> tuple[str, ...]:
 
 def codes_of(wrt: Sequence[str]) -> np.ndarray:
     """Return the engine's code for each name with respect to which to differentiate."""
-    return np.array([NAMES.index(name) for name in wrt], dtype=np.int64)
+    return np.array([CODED.index(name) for name in wrt], dtype=np.int64)
 
 
 def is_deep(codes: np.ndarray) -> bool:
