@@ -38,6 +38,8 @@ NEED_CASES = {
     "test_outputs.py::test_an_output_is_what_was_stored[sweeps- "
     "test_outputs.py::test_an_output_is_what_was_stored[simulation-frames]",
 }
+#: A run of so many slow tests has the loops compiled; a run of a few does not wait for that.
+MANY_SLOW = 100
 MISSING = [name for name in NEED if find_spec(name) is None]
 collect_ignore = [path for name in MISSING for path in NEED[name].split()]
 
@@ -80,14 +82,16 @@ def pytest_collection() -> Generator[None, object, object]:
         gc.enable()
 
 
-@pytest.hookimpl(tryfirst=True)  # before `-m` selects
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+@pytest.hookimpl(wrapper=True, tryfirst=True)
+def pytest_collection_modifyitems(
+    config: pytest.Config, items: list[pytest.Item]
+) -> Generator[None, object, object]:
     """Mark what is left out.
 
     Of a test with `full(n)` all but n cases are a campaign, and a campaign is slow as well.
 
-    Of a test with `quick(n)` all but n cases of those that are left are slow. What needs compiled
-    loops comes last.
+    Of a test with `quick(n)` all but n cases of those that are left are slow. When `-m` has
+    selected, the tests are put in order.
     """
     _leave_out_without_extras(items)
     _leave_out(items, "full", unless="campaign", mark="campaign")
@@ -95,7 +99,33 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         if item.get_closest_marker("campaign"):
             item.add_marker("slow")
     _leave_out(items, "quick", unless="slow", mark="slow")
-    items.sort(key=_loops)
+    result = yield
+    workers = getattr(config, "workerinput", {"workercount": 1})["workercount"]
+    items[:] = _in_order(items, workers)
+    return result
+
+
+def _in_order(items: list[pytest.Item], workers: int) -> list[pytest.Item]:
+    """Return tests in an order in which few wait for compiled loops; those for pairs come last.
+
+    Each of the workers begins with an equal part of them all: quick ones, and then those that need
+    loops. Many slow ones need the loops as well: what follows long motions is ten times as fast.
+    """
+    slow = [item for item in items if item.get_closest_marker("slow")]
+    if len(slow) >= MANY_SLOW:
+        for item in slow:
+            if not item.get_closest_marker("compiled"):
+                item.add_marker(pytest.mark.compiled("doubles"))
+    stages: dict[str, list[pytest.Item]] = {"": [], "doubles": [], "pairs": []}
+    for item in items:
+        stages[_loops(item)].append(item)
+    last = stages.pop("pairs")
+    ordered = []
+    for worker in range(workers):
+        for stage in stages.values():
+            begin, end = (len(stage) * number // workers for number in (worker, worker + 1))
+            ordered += stage[begin:end]
+    return ordered + last
 
 
 def _leave_out_without_extras(items: list[pytest.Item]) -> None:

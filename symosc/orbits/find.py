@@ -41,6 +41,7 @@ from symosc.orbits.floquet import multipliers_of, rest_positions, stability_marg
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
 from symosc.scenes import ParametersLike, parameters_of
 from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.loops import CHOICE
 from symosc.simulation.problems import named
 from symosc.simulation.trajectory import map_labels
 from symosc.words import Word, WordError, WordLike, first_of_cycle, read_word
@@ -623,8 +624,15 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     points = [(x, theta)]
     planes = [(boundary, start.mode)]
     code = END
+    loops = CHOICE.of_searches()
+    constants = loops.constants(K)
+    t_end = 1e6 * K.period
+    motion = loops.motion(t_end, 0.0, t_end)
+    motion.put(state)
     for _ in range(20 * most):  # searches that end without an event count too
-        code, belt_met, _, _, state = equations.arithmetic.advance(state, 1e6 * K.period, 0.0)
+        CHOICE.searches.events -= 1
+        code, belt_met, _, _, _ = loops.search(motion.table, constants)
+        state = motion.state()
         if code in (CROSS, STICK, SLIP):
             points.append((state.x, 2 * pi * state.n + state.theta))
             planes.append((belt_met, state.mode))

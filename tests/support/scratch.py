@@ -11,15 +11,13 @@ from project_files import ROOT
 
 
 class Scratch:
-    """A copy of package, tests and pages in a folder."""
+    """A copy of package, tests and pages in a folder, with the compiled code of what is unchanged."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         for path in ROOT.iterdir():
             if path.name in ("symosc", "tests", "docs", "derivations", ".ci"):
-                shutil.copytree(
-                    path, folder / path.name, ignore=shutil.ignore_patterns("__pycache__")
-                )
+                shutil.copytree(path, folder / path.name)
             elif path.is_file():
                 shutil.copy(path, folder)
 
