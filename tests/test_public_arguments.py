@@ -137,7 +137,7 @@ def test_some_hostile_values() -> None:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.usefixtures("somewhere")
-@pytest.mark.parametrize("share", [0.05, pytest.param(1.0, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("share", [0.02, pytest.param(1.0, marks=pytest.mark.campaign)])
 def test_hostile_values_of_every_parameter(share: float) -> None:
     calls = functions() | of_answers()
     for call, valid in calls.values():

@@ -13,6 +13,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -21,6 +22,7 @@ from urllib.parse import unquote, urlsplit
 import pytest
 from browsing import chromium
 from once import alone
+from printed import PRINTED, assert_as_printed
 
 import symosc
 
@@ -174,6 +176,18 @@ def test_nothing_is_loaded_from_elsewhere(site: Path) -> None:
     for path in site.rglob("*.html"):
         text = path.read_text(encoding="utf-8")
         assert not re.findall(r"<(?:script|img|link)[^>]+(?:src|href)=\"https?:[^\"]*", text), path
+
+
+@pytest.mark.slow
+def test_scripts_of_the_literature_print_what_the_sources_have(site: Path) -> None:
+    page = (site / "literature.html").read_text(encoding="utf-8")
+    blocks = re.findall(r"<pre>(.*?)</pre>", page, re.DOTALL)
+    texts = [unescape(re.sub(r"<[^>]+>", "", block)) for block in blocks]
+    runs = [re.fullmatch(r"\$ python (\w+)\.py\n(.*)", text, re.DOTALL) for text in texts]
+    shown = {run[1]: run[2] for run in runs if run}
+    assert {name for name, _, _ in PRINTED} | {"hong_liu"} <= set(shown)
+    for name, output in shown.items():
+        assert_as_printed(name, output)
 
 
 def look_at(browser: Any, paths: list[Path], width: int) -> list[str]:

@@ -27,7 +27,7 @@ def wall(F: float | str, **others: object) -> OtherModel:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.campaign)])
 @pytest.mark.quick(2)
 def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
     """Follow the equation by DOP853 until it has settled, and integrate over the last cycle by quad."""

@@ -388,7 +388,8 @@ def touching(seed: int) -> tuple[Scene, int]:
     return Scene("touch", p, Fraction(0), x0, v0, Fraction(3 * rng.randint(3, 8)) / w), belt
 
 
-@pytest.mark.quick(4)
+@pytest.mark.full(6)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_start_that_touches_is_proven_to_and_verified(seed: int) -> None:
     scene, belt = touching(seed)
@@ -432,7 +433,8 @@ def test_the_time_of_a_start_does_not_choose_one_that_touches() -> None:
     assert "after 0 events, from t = 0 on" in found.message
 
 
-@pytest.mark.quick(4)
+@pytest.mark.full(6)
+@pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(12))
 def test_a_motion_touches_once_a_turn_after_a_stick(seed: int) -> None:
     """A stick ends where F = 0. From there the velocity goes round at the belt's speed."""
@@ -519,7 +521,7 @@ def test_starts_at_the_end_of_a_stick_leave_before_the_time_stated(side: int) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("count", "seed"), [(30, 1), pytest.param(2000, 2, marks=pytest.mark.campaign)]
+    ("count", "seed"), [(15, 1), pytest.param(2000, 2, marks=pytest.mark.campaign)]
 )
 def test_random_scenes_are_proven(count: int, seed: int) -> None:
     """The prover that was here before proved 254 of the first 300 scenes of seed 1."""

@@ -153,11 +153,10 @@ def test_the_seed_gives_the_list() -> None:
 @pytest.mark.slow
 def test_processes_prove_their_files_again() -> None:
     first = listed_orbits()[0]
-    orbits = [*listed_orbits()[:30], first._replace(p=first.p.replace(B0=first.p.B0 / 100))]
-    for again in (False, True):
-        answers = prove_list(orbits, workers=2, again=again)
-        assert answers[:30] == [""] * 30
-        assert orbits[-1].word in answers[-1]
+    orbits = [*listed_orbits()[:25], first._replace(p=first.p.replace(B0=first.p.B0 / 100))]
+    answers = prove_list(orbits, workers=2, again=True)  # of 25 at a time
+    assert answers[:25] == [""] * 25
+    assert orbits[-1].word in answers[-1]
     assert "not proven" in answers[-1]
 
 

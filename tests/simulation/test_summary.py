@@ -87,7 +87,8 @@ def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:
     compare(summary[0], slow_summary(p, trajectory, float(skip), 3), seed)
 
 
-@pytest.mark.quick(2)
+@pytest.mark.full(3)
+@pytest.mark.quick(1)
 @pytest.mark.parametrize("seed", range(6))
 def test_extremes_are_those_of_the_equation(seed: int) -> None:
     p, start, _ = scene(seed)

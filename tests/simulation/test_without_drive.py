@@ -12,7 +12,6 @@ from math import pi, sqrt
 from typing import Any
 
 import pytest
-from samples import sample_of
 
 from symosc import OtherModel, ParameterError, Parameters, simulate, simulate_many
 from symosc.engine.start import Start
@@ -92,10 +91,9 @@ def test_random_motions_do_not_depend_on_omega() -> None:
     answers(40, 1)
 
 
-@pytest.mark.slow
-@sample_of(80, 500)
-def test_many_random_motions_do_not_depend_on_omega(count: int) -> None:
-    answers(count, 2)
+@pytest.mark.campaign
+def test_many_random_motions_do_not_depend_on_omega() -> None:
+    answers(500, 2)
 
 
 @pytest.mark.compiled("doubles")

@@ -1,0 +1,43 @@
+"""What the scripts of docs/literature have to print."""
+
+from __future__ import annotations
+
+import re
+from math import pi
+
+#: What the sources print, or what was computed elsewhere: a script, the beginning of a row, and the
+#: number. Both numbers of the row have to agree with it in all digits that are given.
+PRINTED = (
+    ("den_hartog", "x_0 c = 0, F = 0.4, Omega = 1.5", "0.653197264742"),
+    ("den_hartog", "x_0 c = 0.2, F = 0.4, Omega = 1.5", "0.548832491792"),
+    ("den_hartog", "x_0 c = 0.1, F = 0.25, Omega = 0.6", "1.487067086811"),
+    ("den_hartog", "F/P c = 0, Omega = 1.5", "0.6465791"),
+    ("den_hartog", "F/P c = 0, Omega = 0.8", "0.8174064"),
+    ("den_hartog", "rise P = 1, F = 0.5", f"{pi - 2:.12f}"),
+    ("den_hartog", "rise P = 0.5, F = 0.3", f"{pi / 2 - 1.2:.12f}"),
+    ("murari", "±x_1 Omega = 0.3", "0.77658213"),
+    ("murari", "±x_1 Omega = 0.15", "0.60303691"),
+    ("murari", "±x_2 Omega = 0.15", "0.26546352"),
+    ("guardia_hogan_seara", "F/P A_1: Omega = 1/2", "0.3333333"),
+    ("guardia_hogan_seara", "F/P A_2: Omega = 1/4", "0.0666667"),
+    ("guardia_hogan_seara", "Omega c = 0.1", "0.4759318789"),
+    ("guardia_hogan_seara", "F c = 0.1", "0.2482868963"),
+    ("iklodi_dombovari", "Omega", "0.722679194438"),
+    ("iklodi_dombovari", "x_0 there", "2.0120729528"),
+)
+#: The abstract of Hong and Liu (2000) names these numbers of stops per cycle.
+COUNTS = {0, *range(2, 15, 2)}
+
+
+def assert_as_printed(name: str, output: str) -> None:
+    """Assert that a script printed what is known of its results."""
+    rows = [re.split(r"\s{2,}", line.strip()) for line in output.splitlines()]
+    for script, beginning, wanted in PRINTED:
+        if script == name:
+            row = next(row for row in rows if " ".join(row).startswith(beginning))
+            digits = len(wanted.split(".")[1])
+            numbers = [cell for cell in row if re.fullmatch(r"-?\d+\.\d+", cell)]
+            assert [f"{float(number):.{digits}f}" for number in numbers] == [wanted] * 2
+    if name == "hong_liu":
+        notes = re.findall(r"(\d+) stops below, (\d+) above", output)
+        assert {int(count) for note in notes for count in note} <= COUNTS
