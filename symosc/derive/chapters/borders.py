@@ -5,7 +5,7 @@ complete.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -27,7 +27,7 @@ from symosc.derive.steps import (
     step,
 )
 from symosc.model import Parameters
-from symosc.orbits.branch import continue_orbit
+from symosc.orbits.branch import Branch, continue_orbit
 from symosc.reference.cases import wall
 from symosc.scenes import load_scene
 from symosc.symbolic import solution
@@ -207,7 +207,10 @@ _WALL = wall("0.4", "0.4", "0.1")
 
 
 class BranchExample(NamedTuple):
-    """A branch one end of which is on a border."""
+    """A branch one end of which is on a border.
+
+    It is followed no farther than to that end, and once if both of its ends are examples.
+    """
 
     place: str  # as the table says it
     parameters: Parameters
@@ -225,8 +228,8 @@ FIG10 = load_scene("fig10").parameters
 EXAMPLES = (
     BranchExample("Fig.~9", FIG9, "P32", "Omega", ("3", "6"), 1, 2, NAMES[0], True),
     BranchExample("Fig.~9", FIG9, "P32", "Omega", ("3", "6"), 0, 1, NAMES[1], True),
-    BranchExample("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.5"), 0, 1, NAMES[2], True),
-    BranchExample("Fig.~10", FIG10, "P4645", "Omega", ("0.6", "3"), 0, 2, NAMES[3], False),
+    BranchExample("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.4"), 0, 1, NAMES[2], True),
+    BranchExample("Fig.~10", FIG10, "P4645", "Omega", ("0.6", "1.75"), 0, 2, NAMES[3], False),
 )
 
 
@@ -236,10 +239,13 @@ def _examples_table() -> Table:
     """
     rows = []
     signs = []
+    followed: dict[tuple[Any, ...], Branch] = {}
     for example in EXAMPLES:
         p = example.parameters
-        branch = continue_orbit(p, example.word, example.name, example.limits)
-        end = branch.ends[example.end]
+        given = p, example.word, example.name, example.limits
+        if given not in followed:
+            followed[given] = continue_orbit(*given)
+        end = followed[given].ends[example.end]
         at_end = p.replace(**{example.name: end.value})
         letter = {"Omega": r"\Omega", "mu1": r"\mu_1"}[example.name]
         phase = number(at_end.Omega) * number(end.conditions[0].t)
