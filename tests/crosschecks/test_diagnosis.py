@@ -127,14 +127,13 @@ def test_a_clock_that_jumps_is_no_friction() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", range(9))
-def test_a_belt_ignored_in_flight_is_a_missed_event(number: int) -> None:
+def test_a_belt_ignored_in_flight_is_a_missed_event() -> None:
     possible = (judge("belt ignored", case, "dense", SEED) for case in cases())
-    judged = next(islice(filter(None, possible), number, None))
-    (diagnosis,) = judged[2].diagnosis
-    # A belt whose speed the motion does not reach is the same.
-    assert diagnosis.cause == "late events" or "all 400 steps are right" in diagnosis.evidence
-    assert "stick" not in diagnosis.words
+    for judged in islice(filter(None, possible), 9):
+        (diagnosis,) = judged[2].diagnosis
+        # A belt whose speed the motion does not reach is the same.
+        assert diagnosis.cause == "late events" or "all 400 steps are right" in diagnosis.evidence
+        assert "stick" not in diagnosis.words
 
 
 @pytest.mark.slow
