@@ -142,11 +142,27 @@ class BeltNumbers(NamedTuple):
     mu_s: Any = None
 
 
+#: The names of a belt's numbers; those of belt 1 are called v1, mu1 and mu_s1 wherever all numbers
+#: of an oscillator have names. The first two are required.
+BELT_NAMES = BeltNumbers._fields
+REQUIRED_OF_BELT = tuple(name for name in BELT_NAMES if name not in BeltNumbers._field_defaults)
+
+
 class FrictionLaw(NamedTuple):
     """The belts in order of speed, and the normal force FN that presses the mass between them."""
 
     belts: Sequence[BeltNumbers]
     FN: Any
+
+    @property
+    def boundaries(self) -> range:
+        """The numbers of the belts, which are those of the boundaries."""
+        return range(1, len(self.belts) + 1)
+
+    @property
+    def domains(self) -> range:
+        """The numbers of the domains between the belts."""
+        return range(1, len(self.belts) + 2)
 
     def force(self, domain: int) -> Any:
         """Return the sum of all friction forces on the mass in a domain (eq. (5)).

@@ -24,7 +24,7 @@ from symosc.base.arguments import NUMBER, public, require, require_or_none, sequ
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import power_of_ten, show, whole_number
 from symosc.base.quantities import QUANTITIES, least, read_number
-from symosc.friction import TWO_BELTS, BeltNumbers, FrictionLaw
+from symosc.friction import BELT_NAMES, TWO_BELTS, BeltNumbers, FrictionLaw
 
 
 class Model:
@@ -49,7 +49,7 @@ class Model:
         """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1),
         (5)).
         """
-        alpha = whole_number("alpha", alpha, 1, len(self.law.belts) + 1)
+        alpha = whole_number("alpha", alpha, 1, len(self.law.domains))
         return self.A0 + self.law.force(alpha)
 
     @public
@@ -216,8 +216,7 @@ class OtherNumbers(Model):
     def __init__(self, values: Mapping[str, Any]) -> None:
         vars(self).update(values)
         belts = [
-            BeltNumbers(values[f"v{n}"], values[f"mu{n}"], values.get(f"mu_s{n}"))
-            for n in range(1, belts_named(values) + 1)
+            BeltNumbers(**numbers_of_belt(n, values)) for n in range(1, belts_named(values) + 1)
         ]
         self._law = FrictionLaw(belts, values["FN"])
 
@@ -349,9 +348,8 @@ class Band(NamedTuple):
     above: Fraction | None
 
 
-#: The numbers of an oscillator beside its belts, and the names of those of a belt.
+#: The numbers of an oscillator beside those of its belts.
 OSCILLATOR_NAMES = ("m", "c", "k", "A0", "B0", "Omega", "FN")
-BELT_NAMES = ("v", "mu", "mu_s")
 #: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in
 #: the time 1/Omega or, without a drive, in the time that the free motion takes.
 FAR = 10**6
@@ -563,15 +561,20 @@ def belts_named(names: Collection[str]) -> int:
     return next(n for n in count() if f"v{n + 1}" not in names)
 
 
+def numbers_of_belt(number: int, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of one belt by their names without its number."""
+    names = {name: f"{name}{number}" for name in BELT_NAMES}
+    return {name: values[numbered] for name, numbered in names.items() if numbered in values}
+
+
 def model_from(numbers: Mapping[str, Any]) -> Model:
     """Return `Parameters` or an `Oscillator` from numbers by the names of `Model.numbers`."""
     if set(numbers) == set(PARAMETER_NAMES):
         return Parameters(**numbers)
     belts = []
     for n in range(1, belts_named(numbers) + 1):
-        own = {name: numbers[f"{name}{n}"] for name in BELT_NAMES if f"{name}{n}" in numbers}
         try:
-            belts.append(Belt(**own))
+            belts.append(Belt(**numbers_of_belt(n, numbers)))
         except ParameterError as error:
             raise ParameterError(f"{error.name}{n}", error.value, error.allowed) from None
     shared = {name: numbers[name] for name in OSCILLATOR_NAMES if name in numbers}

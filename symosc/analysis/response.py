@@ -288,7 +288,7 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
     """Return the settled motion, found from x, v of `guess` or the nearby orbit `before`; else
     ConvergenceError.
     """
-    for boundary in (1, 2):
+    for boundary in p.law.boundaries:
         rests = rest_positions(p, boundary)
         if rests is not None:
             low, high = rests
@@ -390,7 +390,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
     # both sides of the balance increases with V, so that there is one solution; inf where it grows
     # for ever.
     m, c, k, Omega, B0 = (float(number) for number in (p.m, p.c, p.k, p.Omega, p.B0))
-    belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
+    belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in p.law.boundaries]
     # The drive that friction holds at least, by the belts at rest, and at most.
     smallest, most = (
         4 / pi * sum(force for force, v in belts if abs(v) <= limit) for limit in (0, inf)
@@ -539,7 +539,7 @@ def cycle_response(
     if motion.status == "undecidable":
         raise _unsettled(motion.message)
     m, c, k, drive = (float(number) for number in (model.m, model.c, model.k, p.B0))
-    belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in (1, 2)]
+    belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in p.law.boundaries]
     shift_rate = model.shift.rate(model.Omega)
     base_rate = model.base.rate(model.Omega)
     waves = (

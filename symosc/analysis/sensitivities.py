@@ -335,7 +335,6 @@ class _Columns:
             second = -inf
         return np.array(sorted((first, second), reverse=True))
 
-
     def exponent_error(self) -> float:
         """Return the standard error of the first exponent, from its values in PARTS parts of the
         motion.

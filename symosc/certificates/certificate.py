@@ -27,7 +27,7 @@ def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
     """Return the parameters and start values by which `certify` can prove derivatives (`wrt`), if
     `v0` is as given.
     """
-    left_out = [name for n in (1, 2) if v0 == p.belt(n) for name in (f"v{n}", "v0")]
+    left_out = [name for n in p.law.boundaries if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         if p.c == 0:
             left_out += ["k", "c"]

@@ -495,9 +495,13 @@ def belt_forces(boundary, x, c, K):
     return below, acceleration(x, v, c, constant_force(boundary + 1, K), K.cm, K.w0sq, K.f0)
 
 
-def friction_signs(domain):
-    """Return the signs of mu1 FN and mu2 FN in A_alpha, the constant force of a domain."""
-    return (1.0 if domain == 1 else -1.0), (-1.0 if domain == 3 else 1.0)
+def drag(boundary, domain):
+    """Return the sign of a belt's friction in A_alpha, the constant force of a domain: a faster belt
+    drags forward.
+    """
+    if boundary >= domain:
+        return 1.0
+    return -1.0
 
 
 def speeds_around(domain, K):

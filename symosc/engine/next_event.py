@@ -318,7 +318,8 @@ def creeps_for_ever(state, K):
     # `kept` says that u >= 0 (see the top of the module), beyond doubt; the drift is that of r.
     terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
-    if mode > 1:
+    slower, faster = speeds_around(mode, K)
+    if slower > -inf:
         lower = belt_at(mode - 1, K)
         if K.w0 == 0.0:
             kept = lower.limit_above >= 0.0
@@ -328,8 +329,8 @@ def creeps_for_ever(state, K):
         kept = kept or (v == lower.v and F == 0.0 and lower.drift > 0.0)
         if not kept or lower.drift < 0.0:
             return False
-    upper = belt_at(mode, K)
-    if mode < 3 and upper.v < inf:
+    if faster < inf:
+        upper = belt_at(mode, K)
         if K.w0 == 0.0:
             kept = upper.limit_below <= 0.0
         else:

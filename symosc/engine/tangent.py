@@ -23,7 +23,7 @@ from math import floor, inf, log, pi
 from typing import NamedTuple
 
 from symosc.base.aliases import Number
-from symosc.engine.flow import belt_at, constant_force, friction_signs
+from symosc.engine.flow import belt_at, constant_force, drag
 from symosc.engine.state import GRAZE, ON_BELT, STICK
 from symosc.kernels._generated import (
     acceleration,
@@ -110,7 +110,8 @@ def fill_parameters(work, row, domain, letters, by_m, by_c, by_k, by_A, by_B, by
     """Write a quantity's derivatives by all parameters into a row of `work`, from those by m, c, k,
     A, B0, Omega.
     """
-    drag1, drag2 = friction_signs(domain)
+    drag1 = drag(1, domain)
+    drag2 = drag(2, domain)
     work[row, M] = by_m
     work[row, C] = by_c
     work[row, K_] = by_k
@@ -133,14 +134,11 @@ def hold_with_static(row, domain, boundary, letters, by_A, K, work):
     """
     belt = belt_at(boundary, K)
     if belt.E > 0.0:
-        if domain == boundary:
-            drag = 1.0
-        else:
-            drag = -1.0
+        sign = drag(boundary, domain)
         work[row, MU1 + boundary - 1] = 0.0 * by_A
-        work[row, MU_S1 + boundary - 1] = drag * letters.FN * by_A
+        work[row, MU_S1 + boundary - 1] = sign * letters.FN * by_A
         # mu_s - mu = E m/FN
-        work[row, FN] += drag * (belt.E * letters.m / letters.FN) * by_A
+        work[row, FN] += sign * (belt.E * letters.m / letters.FN) * by_A
 
 
 def piece_changes(start, t, turn, codes, deep, letters, K, work):
@@ -222,11 +220,7 @@ def deciding_force(domain, boundary, now, K):
     """
     F, rounding = force(domain, now, K)
     E = belt_at(boundary, K).E
-    if domain == boundary:
-        F = F + E
-    else:
-        F = F - E
-    return F, rounding + EPS * E
+    return F + drag(boundary, domain) * E, rounding + EPS * E
 
 
 def vanishes(domain, boundary, now, K):
@@ -439,8 +433,9 @@ def begin(start, codes, count, letters, K, work):
                 work[row, j] = 1.0 + 0.0 * start.t
             else:
                 work[row, j] = 0.0 * start.t
-    for boundary, belt, speed in ((1, V1, K.belt1.v), (2, V2, K.belt2.v)):
-        if start.v != speed:
+    for boundary in range(1, ON_BELT):
+        belt = V1 + boundary - 1  # the code of its speed
+        if start.v != belt_at(boundary, K).v:
             continue
         for j in range(count):
             regular[j] = codes[j] != V0 and codes[j] != belt

@@ -43,7 +43,7 @@ import numpy as np
 from symosc.base.aliases import Angle, Context, Number
 from symosc.base.errors import ParameterError
 from symosc.engine.arithmetic import MpArithmetic
-from symosc.engine.flow import Constants, constants, derivatives
+from symosc.engine.flow import Constants, belt_at, constants, derivatives
 from symosc.kernels import linear
 from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
@@ -270,9 +270,7 @@ class BackwardSteps:
         self.eps = eps
         self.H = step / K.rate
         numbers = {1: ((1, -1),), 2: ((1, 1), (2, -1)), 3: ((2, 1),)}[domain]
-        self.boundaries = [
-            Boundary(n, (K.belt1 if n == 1 else K.belt2).v, inward) for n, inward in numbers
-        ]
+        self.boundaries = [Boundary(n, belt_at(n, K).v, inward) for n, inward in numbers]
         self.touched = next(line for line in self.boundaries if line.number == boundary)
         self.growth = functions.exp(K.cm * self.H)
         # Taylor coefficients T[k] = v^(k) H^k/k! backward: the equation of motion with these in

@@ -281,7 +281,10 @@ def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
         s = sensitivities(Parameters(**numbers), NAMES, **start, t_end=last)
         states[i] = s.trajectory(row_times)
         slopes[i] = s(row_times)
-        forces = {f"Omega{alpha}": s.trajectory.force(alpha, row_times) for alpha in (1, 2, 3)}
+        forces = {
+            f"Omega{alpha}": s.trajectory.force(alpha, row_times)
+            for alpha in s.trajectory.parameters.law.domains
+        }
         rates[i, 0] = states[i, 1]
         rates[i, 1] = [  # 0 in a stick
             forces[mode][k] if mode in forces else 0.0

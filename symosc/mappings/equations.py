@@ -35,7 +35,7 @@ from symosc.base.phases import number_of
 from symosc.engine import tangent
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic, column_functions, many_digits
 from symosc.engine.first_exit import ROUNDING
-from symosc.engine.flow import Constants, constant_force, constants, friction_signs
+from symosc.engine.flow import Constants, belt_at, constant_force, constants, drag
 from symosc.engine.start import belt_start, belt_state, force_terms
 from symosc.engine.state import (
     END,
@@ -190,7 +190,7 @@ def flight_arguments(row: Map, K: Constants) -> tuple[Number, Number, Number]:
     """Return the belt speeds at both ends of a flight, and the constant force A_alpha/m in its
     domain.
     """
-    v_i, v_j = ((K.belt1 if plane.boundary == 1 else K.belt2).v for plane in (row.start, row.end))
+    v_i, v_j = (belt_at(plane.boundary, K).v for plane in (row.start, row.end))
     return v_i, v_j, constant_force(row.domain, K)
 
 
@@ -202,7 +202,7 @@ def stick_arguments(
     """
     below, above = (constant_force(domain, K) for domain in NEIGHBOURS[row.start.boundary])
     sides = {None: (below, above), "below": (below, below), "above": (above, above)}[exit]
-    return (K.belt1 if row.start.boundary == 1 else K.belt2).v, sides
+    return belt_at(row.start.boundary, K).v, sides
 
 
 def _residual(row: Map, numbers: MapArithmetic, points: Sequence[Numbers], exit: str | None) -> Any:
@@ -274,7 +274,8 @@ def _parameter_jacobian(
     if end != begin:
         columns |= {begin: (x_v0, 1 + v_v0), end: (zero, zero - 1)}
     x_A, v_A = columns["A0"]
-    (drag1, drag2) = friction_signs(domain)
+    drag1 = drag(1, domain)
+    drag2 = drag(2, domain)
     (mu1, mu2, FN) = map(numbers.number, (p.mu1, p.mu2, p.FN))
     # Friction acts through A_alpha = A0 + FN (drag1 mu1 + drag2 mu2) alone: the chain rule.
     for name, weight in (

@@ -250,7 +250,7 @@ def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number
             belt = piece.mode - 1
         else:
             belt = piece.mode
-        if belt in (1, 2) and extremum.b != 0:
+        if belt in NEIGHBOURS and extremum.b != 0:
             v = equations.belt(belt).v
             if extremum.b > 0:
                 clearance = extremum.v - v

@@ -316,7 +316,7 @@ def _word_at(p: Parameters, near: Orbit) -> str | None:
 
     REST where the mass may rest on a belt; None if no orbit is found.
     """
-    if any(rest_positions(p, belt) is not None for belt in (1, 2)):
+    if any(rest_positions(p, belt) is not None for belt in p.law.boundaries):
         return REST
     orbit = motion_at(p, near)
     if orbit is None:

@@ -856,7 +856,11 @@ def _begins_to_rest(p: Parameters) -> int | None:
     """
     near = 1e-6 * abs(p.B0)  # flights are too short for steps
     return next(
-        (belt for belt in (1, 2) if p.belt(belt) == 0 and abs(p.friction(belt) - abs(p.B0)) < near),
+        (
+            belt
+            for belt in p.law.boundaries
+            if p.belt(belt) == 0 and abs(p.friction(belt) - abs(p.B0)) < near
+        ),
         None,
     )
 

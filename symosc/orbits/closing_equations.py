@@ -26,8 +26,8 @@ import numpy as np
 from symosc.base.aliases import Number, Point, Points
 from symosc.base.errors import SymoscError
 from symosc.engine.arithmetic import Arithmetic, MpArithmetic
-from symosc.engine.flow import BeltConstants
-from symosc.engine.state import Launch
+from symosc.engine.flow import BeltConstants, belt_at
+from symosc.engine.state import ON_BELT, Launch
 from symosc.kernels import _generated as kernels
 from symosc.kernels import elementary
 from symosc.kernels.entire import EPS
@@ -100,7 +100,7 @@ class OrbitPiece:
     @property
     def sticks(self) -> bool:
         """Whether the mass sticks to a belt during the piece."""
-        return self.mode > 3
+        return self.mode > ON_BELT
 
     def roots(self, boundary: int) -> int:
         """Return the order of v - v_boundary = 0 at a flight's start: 1 on this belt, 2 there after
@@ -241,9 +241,7 @@ class ClosingEquations:
 
     def belt(self, boundary: int) -> BeltConstants:
         """Return the constants of a belt, such as its speed, in this arithmetic."""
-        if boundary == 1:
-            return self.K.belt1
-        return self.K.belt2
+        return belt_at(boundary, self.K)
 
     def start_of_flight(self, piece: OrbitPiece, start: Point) -> Launch:
         """Return what a flight begins with at `start`: velocity, acceleration, sine and cosine of

@@ -701,9 +701,9 @@ def resting_text(
     """Describe where a motion ends that stays in `mode` for ever; if it can rest in an interval,
     with `beginning` as the first words.
     """
-    if mode <= 3:
+    if mode <= ON_BELT:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
-    positions = rest_positions(parameters, mode - 3)
+    positions = rest_positions(parameters, mode - ON_BELT)
     if positions is None:
         return f"the motion ends up on belt {mode - 3} for ever"
     low, high = (f"{float(value):.6g}" for value in positions)

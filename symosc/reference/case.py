@@ -240,7 +240,12 @@ class ReferenceCase:
                 enclosed = {"t": _enclosed(event.t), "x": _enclosed(event.x)}
                 rows.append({name: getattr(event, name) for name in names} | enclosed)
         before = next(
-            (boundary for boundary in (1, 2) if self.parameters.belt(boundary) == self.v0), 0
+            (
+                boundary
+                for boundary in self.parameters.law.boundaries
+                if self.parameters.belt(boundary) == self.v0
+            ),
+            0,
         )
         for row in rows:
             row["word"] = map_labels(2).get((before, row["source"], row["boundary"]), "")

@@ -25,10 +25,10 @@ from symosc.engine.batch import Batch, batch_of
 from symosc.engine.flow import ConstantRows, constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
 from symosc.engine.state import PAIR_ROW, STATE_ROW
+from symosc.friction import BELT_NAMES, REQUIRED_OF_BELT, TWO_BELTS
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import (
-    BELT_NAMES,
     OSCILLATOR_NAMES,
     PARAMETER_NAMES,
     Model,
@@ -41,8 +41,13 @@ from symosc.scenes import START_NAMES
 
 START_COLUMNS = START_NAMES[:3]
 #: Names of columns that may be there, and of those that are left out where there is one belt.
-STATIC_NAMES = ("mu_s1", "mu_s2")
-OF_BELT_2 = {"v2", "mu2", "mu_s2"}
+OPTIONAL_NAMES = tuple(
+    f"{name}{n}"
+    for n in TWO_BELTS.boundaries
+    for name in BELT_NAMES
+    if name not in REQUIRED_OF_BELT
+)
+OF_BELT_2 = {f"{name}2" for name in BELT_NAMES}
 
 # So few motions are begun one by one: operations on columns cost more.
 BEGUN_ALONE = 8
@@ -268,7 +273,7 @@ class ParameterSets:
 
     def _read_mapping(self, parameters: Mapping[str, Any]) -> None:
         """Read a mapping of all parameters' names to numbers or columns."""
-        known = (*PARAMETER_NAMES, *STATIC_NAMES)
+        known = (*PARAMETER_NAMES, *OPTIONAL_NAMES)
         for name in parameters:
             if name not in known:
                 raise ParameterError(
@@ -281,16 +286,20 @@ class ParameterSets:
         for name in required:
             if name not in parameters:
                 raise ParameterError("parameters", dict(parameters), f"{name} is missing")
-        self.names = (*required, *(name for name in STATIC_NAMES if name in parameters))
+        self.names = (*required, *(name for name in OPTIONAL_NAMES if name in parameters))
         columns = self.columns = {name: NumberColumn(name, parameters[name]) for name in self.names}
         self.count = common_length({name: len(column) for name, column in columns.items()})
-        lowest = {name: least(name) for name in required}
-        wrong = [columns[name].hi < float(low) for name, low in lowest.items() if low is not None]
+        # Rows that may be wrong are read as objects, which say why.
+        lowest = {name: least(name if name in required else name[:-1]) for name in self.names}
+        doubtful = [
+            columns[name].hi < float(low) for name, low in lowest.items() if low is not None
+        ]
         if not one_belt:
-            wrong.append(columns["v2"].hi <= columns["v1"].hi)
-        for name in self.names[len(required) :]:
-            wrong.append(columns[name].hi <= columns[f"mu{name[-1]}"].hi)  # equal ones may differ
-        for rows in wrong:
+            doubtful.append(columns["v2"].hi <= columns["v1"].hi)
+        for n in self.boundaries:
+            if f"mu_s{n}" in self.names:
+                doubtful.append(columns[f"mu_s{n}"].hi <= columns[f"mu{n}"].hi)
+        for rows in doubtful:
             for row in np.flatnonzero(rows).tolist():
                 self._checked(row)
 
@@ -364,7 +373,7 @@ def _common_names(sets: Sequence[Model]) -> tuple[str, ...]:
         )
     if all(isinstance(p, Parameters) for p in sets):
         return PARAMETER_NAMES
-    numbers = range(1, belts.pop() + 1)
+    numbers = sets[0].law.boundaries
     return (*OSCILLATOR_NAMES, *(f"{name}{n}" for n in numbers for name in BELT_NAMES))
 
 

@@ -12,10 +12,11 @@ from symosc.engine.batch import EventRows, large_array
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
 from symosc.engine.tangent import K_, OMEGA, PARAMETERS, SIZE, C, M
 from symosc.model import PARAMETER_NAMES, Model
-from symosc.simulation.problems import START_COLUMNS, STATIC_NAMES
+from symosc.simulation.problems import START_COLUMNS
 
 #: What a motion is differentiated by; and all names in the order of the codes of
 #: `symosc.engine.tangent`.
+STATIC_NAMES = ("mu_s1", "mu_s2")
 NAMES = (*PARAMETER_NAMES, *START_COLUMNS)
 CODED = (*PARAMETER_NAMES, *STATIC_NAMES, *START_COLUMNS)
 
@@ -26,7 +27,8 @@ def names_of(p: Model) -> tuple[str, ...]:
     A belt whose static coefficient equals the kinetic one has one coefficient, mu.
     """
     equal = [f"mu_s{n}" for n, belt in enumerate(p.law.belts, 1) if belt.mu_s in (None, belt.mu)]
-    return (*(name for name in p.numbers() if name not in equal), *START_COLUMNS)
+    own = [name for name in p.numbers() if name in CODED and name not in equal]
+    return (*own, *START_COLUMNS)
 
 
 def read_wrt(wrt: Any, known: Sequence[str] = NAMES) -> tuple[str, ...]:
