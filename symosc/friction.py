@@ -148,6 +148,16 @@ BELT_NAMES = BeltNumbers._fields
 REQUIRED_OF_BELT = tuple(name for name in BELT_NAMES if name not in BeltNumbers._field_defaults)
 
 
+def kinetic_coefficient(belt: BeltNumbers) -> Any:
+    """Return the kinetic friction of a belt as a part of the normal force."""
+    return belt.mu
+
+
+def static_coefficient(belt: BeltNumbers) -> Any:
+    """Return the static friction of a belt that has its own, as a part of the normal force."""
+    return belt.mu_s
+
+
 class FrictionLaw(NamedTuple):
     """The belts in order of speed, and the normal force FN that presses the mass between them."""
 
@@ -172,18 +182,18 @@ class FrictionLaw(NamedTuple):
         coefficient: Any = 0
         for boundary, belt in enumerate(self.belts, 1):
             if boundary >= domain:
-                coefficient = coefficient + belt.mu
+                coefficient = coefficient + kinetic_coefficient(belt)
             else:
-                coefficient = coefficient - belt.mu
+                coefficient = coefficient - kinetic_coefficient(belt)
         return coefficient * self.FN
 
     def kinetic(self, boundary: int) -> Any:
         """Return mu FN, the kinetic friction of the belt at a boundary."""
-        return self.belts[boundary - 1].mu * self.FN
+        return kinetic_coefficient(self.belts[boundary - 1]) * self.FN
 
     def excess(self, boundary: int) -> Any:
         """Return (mu_s - mu) FN, by how much static friction of a belt exceeds its kinetic friction."""
         belt = self.belts[boundary - 1]
         if belt.mu_s is None:
             return Fraction(0)
-        return (belt.mu_s - belt.mu) * self.FN
+        return (static_coefficient(belt) - kinetic_coefficient(belt)) * self.FN

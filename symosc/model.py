@@ -295,10 +295,14 @@ class Belt:
             if name not in BELT_NAMES:
                 allowed = f"unknown number of a belt; choose from {', '.join(BELT_NAMES)}"
                 raise ParameterError(name, value, allowed + meant(name, BELT_NAMES))
-        numbers: dict[str, Any] = {"v": self.v, "mu": self.mu}
-        if self.has_static:
-            numbers["mu_s"] = self.mu_s
-        return Belt(**numbers | changes)
+        return Belt(**self.as_given() | changes)
+
+    def as_given(self) -> dict[str, Any]:
+        """Return the numbers of which the belt is made; mu_s only where it differs from mu."""
+        numbers = {name: getattr(self, name) for name in BELT_NAMES}
+        if not self.has_static:
+            del numbers["mu_s"]
+        return numbers
 
     @property
     def has_static(self) -> bool:
@@ -306,8 +310,10 @@ class Belt:
         return self.mu_s > self.mu
 
     def __repr__(self) -> str:
-        static = f", mu_s={_source(show(self.mu_s))}" if self.has_static else ""
-        return f"Belt({_source(show(self.v))}, mu={_source(show(self.mu))}{static})"
+        speed, *others = (
+            f"{name}={_source(show(value))}" for name, value in self.as_given().items()
+        )
+        return f"Belt({', '.join([speed.removeprefix('v='), *others])})"
 
 
 class Edge(NamedTuple):

@@ -64,6 +64,52 @@ def test_a_command(scratch: Scratch) -> None:
     scratch.pytest("tests/cli/test_errors.py", only="help or command")
 
 
+SHARE = '''"""The share of the normal force that presses a belt."""
+
+from symosc import Belt, Oscillator, simulate, simulate_many
+
+
+def test_share() -> None:
+    numbers = {"m": 1, "c": "1/10", "k": 1, "B0": 3, "Omega": 2}
+    pressed = Oscillator(**numbers, belts=[Belt(1, "1/2", mu_s="3/4", share=2)])
+    usual = Oscillator(**numbers, belts=[Belt(1, 1, mu_s="3/2")])
+    start = {"x0": 2, "t_end": 30}
+    assert simulate(pressed, **start).events == simulate(usual, **start).events
+    assert eval(repr(pressed)) == pressed
+    assert repr(pressed.replace(share1=3).belts[0]) == "Belt(1, mu=0.5, mu_s=0.75, share=3)"
+    columns = {name: number for name, number in pressed.numbers().items() if name != "share1"}
+    table = simulate_many(columns | {"share1": [1, 2]}, [(0, 2, 0)] * 2, 30, use_numba=False)
+    assert table[1].t.tolist() == [event.t for event in simulate(usual, **start).events]
+'''
+
+
+def test_a_property_of_a_belt(scratch: Scratch) -> None:
+    scratch.replace(
+        "symosc/base/quantities.py",
+        '    "t0": Quantity("start time"',
+        '    "share": Quantity("share of the normal force", "1", "s", ">= 0"),\n'
+        '    "t0": Quantity("start time"',
+    )
+    law = "symosc/friction.py"
+    scratch.replace(law, "    mu_s: Any = None\n", "    mu_s: Any = None\n    share: Any = 1\n")
+    scratch.replace(law, "    return belt.mu\n", "    return belt.mu * belt.share\n")
+    scratch.replace(law, "    return belt.mu_s\n", "    return belt.mu_s * belt.share\n")
+    model = "symosc/model.py"
+    scratch.replace(model, "    mu_s: Fraction\n\n", "    mu_s: Fraction\n    share: Fraction\n\n")
+    scratch.replace(
+        model,
+        "        mu_s: NumberLike | None = None,\n    )",
+        "        mu_s: NumberLike | None = None,\n        share: NumberLike = 1,\n    )",
+    )
+    scratch.replace(
+        model,
+        '"mu_s": mu if mu_s is None else mu_s}',
+        '"mu_s": mu if mu_s is None else mu_s, "share": share}',
+    )
+    scratch.write("tests/test_share.py", SHARE)
+    scratch.pytest("tests/test_share.py", "tests/test_friction.py", "tests/test_model.py")
+
+
 REST = """    yield ReferenceCase(
         "my-rest", RESTS, Scene("my-rest", CREEPER, 0, 0, 0, 30), "nothing happens", "my own work"
     )
