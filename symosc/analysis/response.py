@@ -18,7 +18,7 @@ from functools import cache
 from itertools import pairwise
 from math import asin, hypot, inf, nan, pi, sqrt
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -280,8 +280,12 @@ def _unsettled(reason: str) -> ConvergenceError:
 # -- the settled motion
 
 
-#: A settled motion: its status, a state t, x, v on it, and the orbit that it is, if it is one.
-Settled = tuple[str, tuple[Any, Any, Any], PeriodicOrbit | None]
+class Settled(NamedTuple):
+    """A settled motion: its status, a state t, x, v on it, and the orbit that it is, if any."""
+
+    status: str
+    state: tuple[Any, Any, Any]
+    orbit: PeriodicOrbit | None
 
 
 def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | None) -> Settled:
@@ -292,18 +296,25 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
         rests = rest_positions(p, boundary)
         if rests is not None:
             low, high = rests
-            return "rest", (0, min(max(low, 0), high), 0), None  # the rest nearest to x = 0
-    free = meets_no_belt(p)
-    if free is not None:
+            nearest_to_0 = min(max(low, 0), high)
+            return Settled("rest", (0, nearest_to_0, 0), None)
+    domain = meets_no_belt(p)
+    if domain is not None:
         if p.c == 0:
             raise _unsettled("without a damper the motion between the belts goes on for ever")
-        # The first harmonic.
+        # Without events the motion is its mean and the first harmonic z e^(i Omega t).
         z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))
-        return "linear", (0, float(p.A(free) / p.k) + z.real, -float(p.Omega) * z.imag), None
+        mean = float(p.A(domain) / p.k)
+        return Settled("linear", (0, mean + z.real, -float(p.Omega) * z.imag), None)
+    # In the order of their costs: the last one may follow 1,000 periods.
     orbit = _nearby_orbit(p, before) or _orbit_reached(p, guess) or settled_orbit(p, most=1000)
     (t, x) = orbit.points[0]
     belt = orbit.equations().pieces[0].start
-    return "orbit" if orbit.stable else "marginal orbit", (t, x, p.belt(belt)), orbit
+    if orbit.stable:
+        status = "orbit"
+    else:
+        status = "marginal orbit"
+    return Settled(status, (t, x, p.belt(belt)), orbit)
 
 
 def _nearby_orbit(p: Parameters, before: PeriodicOrbit | None) -> PeriodicOrbit | None:
@@ -334,11 +345,10 @@ def _orbit_reached(p: Parameters, guess: tuple[float, float]) -> PeriodicOrbit |
         cycle = [
             i for i, event in enumerate(motion.events) if begin <= float(event.t) < begin + period
         ]
-        labels = [motion.segments[i + 1].label for i in cycle]
+        labels = [motion.segments[i + 1].label for i in cycle]  # i + 1 begins at the event i
         if labels and None not in labels:
-            points = [
-                (float(event.t), float(event.x)) for event in (motion.events[i] for i in cycle)
-            ]
+            events = [motion.events[i] for i in cycle]
+            points = [(float(event.t), float(event.x)) for event in events]
             orbit = _orbit(p, str(Word(tuple(filter(None, labels)))), points)
             if orbit and orbit.stable is not False:
                 return orbit
@@ -437,30 +447,45 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
 # -- one cycle of it
 
 
-#: A part of a piece: its segment, its ends, Gauss's points and weights of an integral, and z and u
-#: of the motion there.
-Part = tuple[Segment, tuple[float, float], np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+class Part(NamedTuple):
+    """A part of a segment: its ends, Gauss's points and weights of an integral over it, and
+    position `z` and velocity `u` of the motion at these points.
+    """
+
+    segment: Segment
+    ends: tuple[float, float]
+    t: np.ndarray
+    weights: np.ndarray
+    z: np.ndarray
+    u: np.ndarray
+
+
+class GaussRule(NamedTuple):
+    """Points and weights of Gauss in [-1, 1], and the matrix from values there to Legendre
+    coefficients.
+    """
+
+    points: np.ndarray
+    weights: np.ndarray
+    coefficients: np.ndarray
 
 
 @cache
-def _gauss() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return points and weights of Gauss in [-1, 1], and the matrix from values there to Legendre
-    coefficients.
-    """
+def _gauss() -> GaussRule:
+    """Return the rule of Gauss with POINTS points."""
     # Not by legendre.leggauss: the eigenvalues that it begins with have other last bits on other
     # processors.
     points = np.array([-cos(pi * (i + 0.75) / (POINTS + 0.5)) for i in range(POINTS)])
     highest = np.append(np.zeros(POINTS), 1.0)
     slope = legendre.legder(highest)
-    for _ in range(6):  # Newton's method doubles the digits
+    # Newton's method doubles the digits of the first points, the usual estimates by a cosine.
+    for _ in range(6):
         points -= legendre.legval(points, highest) / legendre.legval(points, slope)
     weights = 2.0 / ((1.0 - points * points) * legendre.legval(points, slope) ** 2)
     degrees = np.arange(POINTS)
-    return (
-        points,
-        weights,
-        (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights,
-    )
+    # The coefficient of P_n is (n + 1/2) times the integral of values times P_n.
+    coefficients = (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
+    return GaussRule(points, weights, coefficients)
 
 
 def parts(motion: Trajectory) -> Iterator[Part]:
@@ -469,8 +494,8 @@ def parts(motion: Trajectory) -> Iterator[Part]:
     """
     p = motion.parameters
     (points, weights, coefficients) = _gauss()
-    # Periods of a motion without events are cut into parts of this angle of the fastest of drive
-    # and oscillator.
+    # Long segments are cut into parts of an angle of 2 of the faster of drive and oscillator: on
+    # longer ones the polynomial would hardly ever be accurate.
     longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
     times = np.linspace(float(motion.t_start), float(motion.t_end), POINTS)
     forces = float(abs(p.B0) + p.friction(1) + p.friction(2))
@@ -495,7 +520,7 @@ def parts(motion: Trajectory) -> Iterator[Part]:
                 middle = (a + b) / 2
                 todo += [(a, middle, halved + 1, tail), (middle, b, halved + 1, tail)]
             else:
-                yield segment, (a, b), t, weights * (b - a) / 2, z, u
+                yield Part(segment, (a, b), t, weights * (b - a) / 2, z, u)
 
 
 def turning_points(values: np.ndarray) -> np.ndarray:
@@ -503,14 +528,15 @@ def turning_points(values: np.ndarray) -> np.ndarray:
 
     These are the two ends, and the turning points of the polynomial that goes through the values.
     """
-    series = linear.product(_gauss()[2], values)
+    series = linear.product(_gauss().coefficients, values)
     slope = legendre.legder(legendre.legtrim(series, CONVERGED * np.abs(series).max()))
     # The polynomial bends too little for two turning points between neighbours of these to matter.
-    places = np.linspace(-1.0, 1.0, 8 * POINTS + 1)
-    slopes = legendre.legval(places, slope)
+    grid = np.linspace(-1.0, 1.0, 8 * POINTS + 1)
+    slopes = legendre.legval(grid, slope)
     turns = np.flatnonzero((slopes[:-1] > 0.0) != (slopes[1:] > 0.0))
-    low = places[turns]
-    high = places[turns + 1]
+    low = grid[turns]
+    high = grid[turns + 1]
+    # Where the straight line between both slopes is 0; Newton's method starts there.
     inside = low + (high - low) * slopes[turns] / (slopes[turns] - slopes[turns + 1])
     bend = legendre.legder(slope)
     for _ in range(4 if len(turns) else 0):  # Newton's method doubles the digits
@@ -551,17 +577,18 @@ def cycle_response(
         model.force,
     )
     columns = column_functions()
-    turns = list[np.ndarray]()
-    passed = list[float]()
-    first = 0j
-    damper = 0.0
-    work = 0.0
-    heat = 0.0
-    stuck = 0.0
+    turns = list[np.ndarray]()  # times at which x may be extreme
+    base_forces = list[float]()  # extremes of the force that the mass passes on
+    first = 0j  # the first harmonic of x
+    damper = 0.0  # energy that the damper takes
+    work = 0.0  # energy that the drive puts in
+    heat = 0.0  # energy that friction takes
+    stuck = 0.0  # time on a belt
     for segment, (begin, end), t, weights, z, u in parts(motion):
         c_late = columns["cos"](Omega * (t + delay))
         s_late = columns["sin"](Omega * (t + delay))
         w, w_rate, w_second, y, y_rate, force = (wave.at(c_late, s_late) for wave in waves)
+        # z and u are relative to the belts, which move by w; x and v are in the fixed frame.
         x = z + w
         v = u + w_rate
         driven = float(p.A0) + drive * columns["cos"](Omega * t) - c * u - k * z  # all but friction
@@ -584,9 +611,12 @@ def cycle_response(
         first += complex(linear.dot(weights, x * c_late), -linear.dot(weights, x * s_late))
         turns.append(begin + (end - begin) * (turning_points(x) + 1) / 2)
         felt = force - m * (acceleration + w_second)
-        passed += legendre.legval(turning_points(felt), linear.product(_gauss()[2], felt)).tolist()
+        series = linear.product(_gauss().coefficients, felt)
+        base_forces += legendre.legval(turning_points(felt), series).tolist()
     times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
-    amplitude = float(np.ptp(motion(times)[0] + motion_of_belts(model, times + delay)[0])) / 2
+    z_extremes, _ = motion(times)
+    belt_positions, *_ = motion_of_belts(model, times + delay)
+    amplitude = float(np.ptp(z_extremes + belt_positions)) / 2
     first *= 2 / period
     excitation = _phasor(_excitation(model))
     Y = abs(float(model.Y))
@@ -601,7 +631,10 @@ def cycle_response(
     if Y:
         transmissibility = amplitude / Y
     elif B0:
-        transmissibility = float(np.ptp(passed)) / 2 / B0
+        transmissibility = float(np.ptp(base_forces)) / 2 / B0
+    # How far the start is off the orbit: by the gap after this cycle and, times the multiplier each
+    # time, after all later ones, which is a geometric series.
+    start_error = float(closure.max()) / max(1 - multiplier, CONVERGED)
     return {
         "word": orbit.word if orbit else "",
         "amplitude": amplitude,
@@ -613,8 +646,7 @@ def cycle_response(
         "damper": damper / n,
         "friction": heat / n,
         "stuck": stuck / period,
-        "error": float(closure.max()) / max(1 - multiplier, CONVERGED)
-        + float(np.spacing(amplitude)),
+        "error": start_error + float(np.spacing(amplitude)),
     }
 
 

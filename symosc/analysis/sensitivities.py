@@ -172,7 +172,8 @@ class _Columns:
             theta = many_digits(p, self.context.dps).phase(start.t0)[0]
         else:
             theta = piece[1]
-        first = int(piece[2]), number(start.t0), theta, number(start.x0), number(start.v0)
+        mode = int(piece[2])
+        first = mode, number(start.t0), theta, number(start.x0), number(start.v0)
         self.starts = np.array([first], dtype=self.kind)
         self.rows: tuple[Any, ...] = columns_of(trajectory.rows())
         if self.context:
@@ -181,7 +182,8 @@ class _Columns:
                 [self.context.mpf(getattr(event, name)) for event in trajectory.events]
                 for name in names
             ]
-            self.rows = (*np.array(exact, dtype=object), *self.rows[4:])
+            # The rest of a row, after these four, is the same in any arithmetic.
+            self.rows = (*np.array(exact, dtype=object), *self.rows[len(names) :])
 
     @property
     def context(self) -> Any:
@@ -309,27 +311,32 @@ class _Columns:
     def exponents(self) -> np.ndarray:
         """Return the Lyapunov exponents over the motion, the larger one first."""
         codes = codes_of(("x0", "v0"))
-        last = self.pieces()[0][-1:]
+        starts, _ = self.pieces()
+        last = starts[-1:]
         *_, growth, work = self.event_derivatives(("x0", "v0"), 0)
         grown, volume = growth[0].tolist()
         end = (self.context.mpf if self.context else float)(self.trajectory.t_end)
         interpreted = (self.numbers.of["changes_at"], [self.numbers.K])
-        none = np.zeros(1, np.int64)
+        only_piece = np.zeros(1, np.int64)
+        # Derivatives of t, x, v by both numbers where the last piece begins.
+        launched = work[:3, None, :2].copy()
         out = self._state_derivatives(
-            interpreted, np.array([end]), none, last, work[:3, None, :2].copy(), codes
+            interpreted, np.array([end]), only_piece, last, launched, codes
         )
         mode, begin, *_ = last[0]
         if mode <= ON_BELT:  # in a flight areas shrink by exp(-c t/m), in a stick to 0
             volume -= float(self.numbers.K.cm * (end - begin))
         else:
             volume -= inf
-        size = linear.largest_stretch(out[:, 0].astype(float))
-        span = float(end - self.starts[0, 1])
-        if size > 0.0:
-            first = (grown + log(size)) / span
+        stretch = linear.largest_stretch(out[:, 0].astype(float))
+        _, t_start, *_ = self.starts[0]
+        span = float(end - t_start)
+        if stretch > 0.0:
+            first = (grown + log(stretch)) / span
         else:
             first = -inf
         if volume > -inf:
+            # Both exponents together are the growth of areas.
             second = volume / span - first
         else:
             second = -inf
@@ -398,9 +405,9 @@ def sensitivities(
     start = read_start(what, {"t0": t0, "x0": x0, "v0": v0, "t_end": t_end}, None)
     names = read_wrt(wrt, names_of(start.parameters))
     about: dict[str, Any] = {"t0": start.t0, "x0": start.x0, "v0": start.v0, "t_end": start.t_end}
-    about |= {"max_events": max_events} | (
-        {"start_error": start.start_error} if start.start_error else {}
-    )
+    about["max_events"] = max_events
+    if start.start_error:
+        about["start_error"] = start.start_error
     motion = simulate(start.parameters, **about, digits=digits)
     columns = _Columns(motion, start)
     dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
@@ -410,6 +417,7 @@ def sensitivities(
     late = EPS * belts * np.abs(dt) > 1e-12 * np.maximum(1, np.abs(dx))
     if digits is None and ((why >= tangent.ROUGH).any() or late.any()):
         exact = simulate(start.parameters, **about, digits=MORE_DIGITS)
+        # If the kinds differ, doubles followed another motion: its derivatives are left as they are.
         if [event.kind for event in exact.events] == [event.kind for event in motion.events]:
             columns = _Columns(exact, start)
             dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
@@ -455,25 +463,23 @@ def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -
     mode, _, _, _, v = columns.starts[0]
     p = columns.trajectory.parameters
     number = columns.numbers.number
-    on = [f"v{n}" for n, belt in enumerate(p.law.belts, 1) if v == number(belt.v)]
-    if not on:
+    belt_names = [f"v{n}" for n, belt in enumerate(p.law.belts, 1) if v == number(belt.v)]
+    if not belt_names:
         return None
-    off = [name for name in wrt if name in ("v0", *on)]
-    moved = [
-        name
-        for name, mark in zip(wrt, marks[0].tolist(), strict=True)
-        if not mark and name not in off
-    ]
-    parts = list[str]()
-    names = ", ".join(off)
-    if off:
+    # A change of these takes the start off the belt.
+    leaving = [name for name in wrt if name in ("v0", *belt_names)]
+    has_derivative = dict(zip(wrt, marks[0].tolist(), strict=True))
+    moving = [name for name in wrt if not has_derivative[name] and name not in leaving]
+    clauses = list[str]()
+    names = ", ".join(leaving)
+    if leaving:
         if mode > ON_BELT:
             side = f"for other {names} a stick begins first"
         else:
             side = f"by {names} on the flight's side only"
-        parts.append(side)
-    if moved:
-        parts.append(f"a force there is 0, and {', '.join(moved)} may move it")
-    if parts:
-        return f"the start is on a belt: {'; '.join(parts)}"
+        clauses.append(side)
+    if moving:
+        clauses.append(f"a force there is 0, and {', '.join(moving)} may move it")
+    if clauses:
+        return f"the start is on a belt: {'; '.join(clauses)}"
     return None

@@ -186,15 +186,17 @@ def _problem(
     sigmas: np.ndarray,
 ) -> FitProblem:
     """Return the problem of fitting the free numbers `names` of a motion to data."""
-    last = float(measured.t.max())
+    last_time = float(measured.t.max())
     changes: dict[str, Any] = dict.fromkeys((*STARTS, "t_end"))
     if isinstance(scene, Parameters):
-        changes["t_end"] = last + 1.0
+        # Parameters have no end, and `read_start` wants one: any time after the data.
+        changes["t_end"] = last_time + 1.0
     start = read_start(scene, changes, None)
     extra = 0.0
     if measured.kinds is not None:
-        extra = BEYOND * (last - float(start.t0))
-    return FitProblem(start, names, measured, sigmas, last + extra)
+        # The event nearest to the last measured one may come after it.
+        extra = BEYOND * (last_time - float(start.t0))
+    return FitProblem(start, names, measured, sigmas, last_time + extra)
 
 
 def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.ndarray:
@@ -208,7 +210,7 @@ def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.nd
 
 
 def _fit_of(search: Search, robust: bool) -> Fit:
-    """Return the fit that a search has found."""
+    """Return the answer of `fit`, from the minima that a search has found."""
     problem = search.problem
     measured = problem.measured
     names = problem.names

@@ -141,19 +141,24 @@ def _with_sigma(
     """Return the verdict by the sum of squares, whose distribution is known."""
     from scipy.stats import chi2, norm
 
-    off = at.residuals
-    count = len(off)
+    residuals = at.residuals
+    count = len(residuals)
     free = len(problem.names)
     scales = np.ones(count)
-    kept = np.abs(off) <= norm.isf(LEVEL / (2 * count))
-    are_rounded = _are_rounded(off, places)
-    if are_rounded and np.max(places) / np.sqrt(12.0) <= ROUNDED:
+    # LEVEL is the probability that any of all `count` residuals, of either sign, is beyond this.
+    kept = np.abs(residuals) <= norm.isf(LEVEL / (2 * count))
+    are_rounded = _are_rounded(residuals, places)
+    rounding_deviation = np.max(places) / np.sqrt(12.0)  # of errors uniform in one unit
+    if are_rounded and rounding_deviation <= ROUNDED:
         return FitVerdict(True, "", np.ones(count, dtype=bool), scales)
-    inner = float(off[kept] @ off[kept])
-    is_likely = inner <= chi2.isf(LEVEL, max(int(kept.sum()) - free, 1))
-    if is_likely and _are_few(kept) and kept.sum() > min(free, count - 1):
+    squares_kept = float(residuals[kept] @ residuals[kept])
+    is_likely = squares_kept <= chi2.isf(LEVEL, max(int(kept.sum()) - free, 1))
+    # A fit passes through as many data as it has numbers: those alone show nothing.
+    are_enough = kept.sum() > min(free, count - 1)
+    if is_likely and _are_few(kept) and are_enough:
         return FitVerdict(True, "", kept, scales)
-    text = f"chi² is {float(off @ off):.4g}, and {max(count - free, 1)} was to be expected"
+    chi_squared = float(residuals @ residuals)
+    text = f"chi² is {chi_squared:.4g}, and {max(count - free, 1)} was to be expected"
     if are_rounded:
         names = ", ".join(f"{name} to {column.text}" for name, column in digits.items())
         text += f"; sigma is smaller than the errors of rounding ({names})"
@@ -176,30 +181,31 @@ def _are_few(kept: np.ndarray) -> bool:
 
 def _without_sigma(problem: FitProblem, at: Evaluation, places: np.ndarray) -> FitVerdict:
     """Return the verdict by the structure of the residuals, whose size is unknown."""
-    off = at.residuals
-    count = len(off)
+    residuals = at.residuals
+    count = len(residuals)
     free = len(problem.names)
-    everything = np.ones(count, dtype=bool)
-    telling = informative(at.slopes, np.ones(free))
-    scales = _estimated_scales(problem, off, telling, places)
-    size = float(np.sqrt(np.mean((off / problem.sizes) ** 2)))
-    if size <= EXACT or _are_rounded(off, places):
-        return FitVerdict(True, "", everything, scales)
+    all_rows = np.ones(count, dtype=bool)
+    is_telling = informative(at.slopes, np.ones(free))
+    scales = _estimated_scales(problem, residuals, is_telling, places)
+    relative_size = float(np.sqrt(np.mean((residuals / problem.sizes) ** 2)))
+    if relative_size <= EXACT or _are_rounded(residuals, places):
+        return FitVerdict(True, "", all_rows, scales)
     if count <= free:
         text = "there are no more data than numbers, and yet it does not pass through them"
-        return FitVerdict(size <= np.sqrt(EXACT), text, everything, scales)
-    kept = np.abs(off) <= (OUTLYING[0] + OUTLYING[1] / (count - free)) * scales
+        return FitVerdict(relative_size <= np.sqrt(EXACT), text, all_rows, scales)
+    limit, limit_for_few = OUTLYING
+    kept = np.abs(residuals) <= (limit + limit_for_few / (count - free)) * scales
     if not _are_few(kept):
         text = "the residuals of many data are far larger than those of half of them"
         return FitVerdict(False, text, kept, scales)
-    relative = 0.0
+    lateness = 0.0  # of events, as a part of the time between them; samples are not judged by it
     if problem.measured.states is None:
-        relative = float(np.sqrt(np.mean(off[kept] ** 2))) / _time_between(at)
-    if relative > UNRECOGNISED:
-        off_by = f"events are off by {relative:.1%} of the time between events of a kind"
+        lateness = float(np.sqrt(np.mean(residuals[kept] ** 2))) / _time_between(at)
+    if lateness > UNRECOGNISED:
+        off_by = f"events are off by {lateness:.1%} of the time between events of a kind"
         text = f"{off_by}, and no sigma says so"
         return FitVerdict(False, text, kept, scales)
-    text = _structure(problem, off, kept & telling)
+    text = _structure(problem, residuals, kept & is_telling)
     return FitVerdict(not text, text, kept, scales)
 
 
@@ -219,6 +225,7 @@ def _estimated_scales(
 
     Rows that are not `telling` do not count if others are: in a stick v is known without error.
     """
+    # A fit of n numbers makes the residuals smaller than the errors, by this factor on average.
     growth = np.sqrt(len(off) / max(len(off) - len(problem.names), 1))
     scales = np.ones(len(off))
     for rows in column_rows(problem):
@@ -228,7 +235,7 @@ def _estimated_scales(
             scale = float(np.sqrt(np.mean(sizes**2)))
         else:
             scale = MEDIAN_SCALE * float(np.median(sizes))
-        rounding = float(np.max(places[rows])) / np.sqrt(12.0)
+        rounding = float(np.max(places[rows])) / np.sqrt(12.0)  # of errors uniform in one unit
         scales[rows] = max(growth * scale, rounding, EXACT * float(np.max(problem.sizes[rows])))
     return scales
 
@@ -242,13 +249,14 @@ def _structure(problem: FitProblem, off: np.ndarray, kept: np.ndarray) -> str:
         series = off[rows][order][kept[rows][order]]
         if len(series) < 3 or not np.any(series):
             continue
-        # Of independent errors the ratio of von Neumann is 2 ± 2 / sqrt(n).
+        # Of independent errors the ratio of von Neumann is 2 ± 2 / sqrt(n); it is 2 minus twice the
+        # correlation of neighbours.
         ratio = float(np.sum(np.diff(series) ** 2) / np.sum(series**2))
-        error = 2.0 / np.sqrt(len(series))
-        if ratio < 2.0 + norm.ppf(LEVEL) * error:
-            alike = 1.0 - ratio / 2.0
+        deviation = 2.0 / np.sqrt(len(series))
+        if ratio < 2.0 + norm.ppf(LEVEL) * deviation:
+            correlation = 1.0 - ratio / 2.0
             return (
-                f"neighbouring residuals of {name} are alike: their correlation is {alike:.2f}, "
-                f"that of independent errors 0 ± {error / 2.0:.2f}"
+                f"neighbouring residuals of {name} are alike: their correlation is "
+                f"{correlation:.2f}, that of independent errors 0 ± {deviation / 2.0:.2f}"
             )
     return ""

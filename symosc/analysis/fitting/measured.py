@@ -184,13 +184,15 @@ def _rows(data: Any) -> dict[str, list[Any]]:
         return {}
     if {len(row) for row in rows} not in ({2}, {3}) or isinstance(data, bytes | bytearray):
         return {}
-    if any(np.ndim(cell) for row in rows for cell in row if not isinstance(cell, str)):
+    cells = [cell for row in rows for cell in row]
+    if any(np.ndim(cell) for cell in cells if not isinstance(cell, str)):
         return {}
-    second = rows[0][1]
+    _, second_cell, *_ = rows[0]
     names: tuple[str, ...] = ("t", "x", "v")
-    if isinstance(second, str) and not _is_number(second):
+    if isinstance(second_cell, str) and not _is_number(second_cell):
         names = ("t", KIND)
-    return dict(zip(names, map(list, zip(*rows, strict=True)), strict=False))
+    columns = map(list, zip(*rows, strict=True))
+    return dict(zip(names, columns, strict=False))  # rows (t, x) have no v
 
 
 def _is_number(text: str) -> bool:

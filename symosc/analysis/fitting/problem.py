@@ -166,12 +166,14 @@ class FitProblem:
             events = np.flatnonzero(kinds == kind)
             if not len(events):
                 continue
-            # The nearest event is the one before a measured time or the one after it.
+            # The nearest event is the one before a measured time or the one after it. Before the
+            # first event and after the last one both are clipped to the events that there are.
             after = np.maximum(np.searchsorted(times[events], measured.t[rows]), 1)
             after = np.minimum(after, len(events) - 1)
             before = np.maximum(after - 1, 0)
-            gaps = times[events[[before, after]]] - measured.t[rows]
-            nearest = events[np.where(abs(gaps[0]) <= abs(gaps[1]), before, after)]
+            gap_before = times[events[before]] - measured.t[rows]
+            gap_after = times[events[after]] - measured.t[rows]
+            nearest = events[np.where(abs(gap_before) <= abs(gap_after), before, after)]
             off[rows] = times[nearest] - measured.t[rows]
             if changes is not None:
                 slopes[rows] = changes[nearest]

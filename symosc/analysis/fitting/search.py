@@ -32,6 +32,8 @@ MOST_SAMPLES = 300
 CAUCHY = 2.385
 
 
+#: Evaluations that a fit to the beginning of the data may take: enough to come near a minimum.
+ROUGH_STEPS = 20
 #: A number below this says nothing of its own size.
 NO_SIZE = 1e-9
 #: A gradient below this is none: residuals that are in no units of sigma may have small ones.
@@ -94,19 +96,22 @@ def candidates(problem: FitProblem, first: np.ndarray) -> Iterator[np.ndarray]:
     """Yield numbers near minima, the most promising ones first."""
     rough = problem.thinned(MOST_SAMPLES)
     large = LARGE * rough.sizes
-    tried = starts(first)
-    costs = np.log1p((np.array([rough.distances(values) for values in tried]) / large) ** 2)
+    start_values = starts(first)
+    # One row per start, one column per residual; large residuals hardly count more than others.
+    costs = np.log1p((np.array([rough.distances(values) for values in start_values]) / large) ** 2)
     times = np.sort(rough.measured.t)
-    least = 3 * len(first) + 3  # times that a first part has, if there are so many
-    done = set()
+    least_count = 3 * len(first) + 3  # times that a first part has, if there are so many
+    followed = set()
     for part in PARTS:
-        count = min(len(times), max(least, ceil(part * len(times))))
-        cost = costs[:, rough.measured.times <= times[count - 1]].mean(axis=1)
-        order = np.lexsort((np.arange(len(tried)), np.round(cost, 6)))
+        count = min(len(times), max(least_count, ceil(part * len(times))))
+        is_in_part = rough.measured.times <= times[count - 1]
+        cost = costs[:, is_in_part].mean(axis=1)
+        # By rounded cost, then by number: no last bit decides.
+        order = np.lexsort((np.arange(len(start_values)), np.round(cost, 6)))
         for number in order[:FOLLOWED].tolist():
-            if (number, count) not in done and np.isfinite(cost[number]):
-                done.add((number, count))
-                yield _followed(rough, tried[number], count)
+            if (number, count) not in followed and np.isfinite(cost[number]):
+                followed.add((number, count))
+                yield _followed(rough, start_values[number], count)
 
 
 def _followed(rough: FitProblem, values: np.ndarray, count: int) -> np.ndarray:
@@ -114,7 +119,10 @@ def _followed(rough: FitProblem, values: np.ndarray, count: int) -> np.ndarray:
     times = np.sort(rough.measured.t)
     while True:
         beginning = rough if count == len(times) else rough.until(float(times[count - 1]))
-        values = minimum(beginning, values, LARGE * beginning.sizes, "cauchy", 20, precise=False)[0]
+        # Where it stops need be no minimum: the longer beginning goes on from there.
+        values, _ = minimum(
+            beginning, values, LARGE * beginning.sizes, "cauchy", ROUGH_STEPS, precise=False
+        )
         if count == len(times):
             return values
         count = min(len(times), 2 * count)

@@ -19,6 +19,8 @@ from symosc.simulation.simulate import ACCURACY
 #: A combination of numbers whose change by its own size changes the residuals by less than this is
 #: not determined.
 UNDETERMINED = 1e-8
+#: A number with a smaller factor than this in a combination of length 1 is not part of it.
+NO_FACTOR = 1e-6
 #: A row whose derivatives are smaller than this part of the largest ones tells nothing.
 TELLS_NOTHING = 1e-12
 #: So many neighbours of the fitted motion are rounded, whose samples move by about so many units.
@@ -79,11 +81,13 @@ def spread_of(
     """
     names = problem.names
     slopes = at.slopes * steps * kept[:, None]
+    # Singular values and right singular vectors, the latter for as many combinations of numbers as
+    # there are numbers. Combinations that the residuals do not feel have no error of their own.
     _, sizes, rows = np.linalg.svd(slopes, full_matrices=len(slopes) < len(names))
     sizes = np.append(sizes, np.zeros(len(names) - len(sizes)))
     free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
     inverse = np.where(free, 0.0, 1.0 / np.where(free, 1.0, sizes))
-    root = rows.T * inverse
+    root = rows.T * inverse  # root @ root.T is the covariance for residuals of variance 1
     variances, widening = _variances(problem, at, slopes, root, kept)
     weighted = problem.measured.weighted
     squares = np.ones(len(slopes)) if weighted else variances
@@ -119,10 +123,11 @@ def _variances(
     leverages = np.sum((slopes @ root) ** 2, axis=1)
     for rows in column_rows(problem):
         chosen = is_telling[rows] if is_telling[rows].any() else kept[rows]
-        left = float(chosen.sum() - leverages[rows][chosen].sum())
+        freedom_left = float(chosen.sum() - leverages[rows][chosen].sum())
         off = at.residuals[rows][chosen]
-        variances[rows] = max(float(off @ off) / max(left, 1.0), float(floors[rows].max()) ** 2)
-        freedom += left if is_telling[rows].any() else 0.0
+        variance = float(off @ off) / max(freedom_left, 1.0)
+        variances[rows] = max(variance, float(floors[rows].max()) ** 2)
+        freedom += freedom_left if is_telling[rows].any() else 0.0
     if problem.measured.weighted:
         return variances, 1.0
     one_sigma = norm.cdf(1.0)
@@ -159,9 +164,12 @@ def _rounded_spread(
     rows = repeating > 0.0
     unit = places[rows]
     axes = slopes @ root
+    numbers = slopes.shape[1]
+    # The columns of `axes` have length 1: with the root each sample moves by about NEIGHBOURHOOD.
     moves = axes * np.median(unit) * NEIGHBOURHOOD * np.sqrt(len(slopes))
-    points = ndtri(qmc.Halton(slopes.shape[1], scramble=False).random(NEIGHBOURS + 1)[1:])
-    spread = np.zeros((slopes.shape[1], slopes.shape[1]))
+    # Normally distributed points; the first of Halton, 0, would become -inf.
+    points = ndtri(qmc.Halton(numbers, scramble=False).random(NEIGHBOURS + 1)[1:])
+    spread = np.zeros((numbers, numbers))
     for point in points:
         moved = (exact + moves @ point)[rows] / unit
         errors = (np.rint(moved) - moved) * unit * np.sqrt(repeating[rows])
@@ -172,12 +180,14 @@ def _rounded_spread(
 
 def _undetermined(names: tuple[str, ...], rows: np.ndarray) -> tuple[list[str], str]:
     """Return which of the `names` data do not determine, and a text on combinations in `rows`."""
-    combined = []
+    combinations = []
     for row in rows.tolist():
-        pairs = zip(names, row, strict=True)
-        combined.append({name: part for name, part in pairs if abs(part) > 1e-6})
-    unknown = [name for name in names if any(name in parts for parts in combined)]
+        factors = dict(zip(names, row, strict=True))
+        combinations.append(
+            {name: factor for name, factor in factors.items() if abs(factor) > NO_FACTOR}
+        )
+    unknown = [name for name in names if any(name in factors for factors in combinations)]
     texts = []
-    for parts in combined:
-        texts.append(" ".join(f"{part:+.3g} {name}" for name, part in parts.items()))
+    for factors in combinations:
+        texts.append(" ".join(f"{factor:+.3g} {name}" for name, factor in factors.items()))
     return unknown, "; ".join(texts)
