@@ -39,10 +39,16 @@ EVENT_KINDS = ("cross", "stick", "slip", "graze")
 CROSSES, STICKS, SLIPS, GRAZES = range(4)
 #: Modes up to this one are domains; ON_BELT + 1 and ON_BELT + 2 are sticks, as in the engine.
 ON_BELT = 3
-#: What `leave` returns as the side where the solver gave up; what `follow` returns as its outcome.
+#: What `leave` returns as the side, but for -1 and 1: the mode lasts until t_end, or the solver gave
+#: up.
+LASTS = 0
 UNSOLVED = 2
+#: What `follow` returns as its outcome.
+REACHED_END = 0
 CHATTERS = 1
 GAVE_UP = 2
+# So many times are tried for a root at most.
+MOST_TRIALS = 200
 # A root is refined until its bracket is within this part of its time.
 LAST_BIT = 2.0**-52
 # A force, or a derivative of one, within this part of the sum of its terms is zero up to rounding;
@@ -101,13 +107,24 @@ def problem(p: Parameters, origin: Fraction = Fraction(0)) -> PeerProblem:
     damping = float(p.c) / m
     period = 2 * pi / max(Omega, sqrt(max(0.0, stiffness - damping * damping / 4)))
     angle = p.Omega * origin
+    # The phase is what is left of all turns: as many digits as these have, and 40.
     context = mp_context(40 + len(str(abs(angle.numerator))))
     theta = float(context.fmod(context.mpf(angle.numerator) / angle.denominator, 2 * context.pi))
     A1, A2, A3 = (float(p.A(alpha)) / m for alpha in (1, 2, 3))
     v1 = float(p.v1)
     v2 = float(p.v2)
     return PeerProblem(
-        A1, A2, A3, float(p.B0) / m, Omega, stiffness, damping, v1, v2, period, theta
+        A1,
+        A2,
+        A3,
+        swing=float(p.B0) / m,
+        Omega=Omega,
+        stiffness=stiffness,
+        damping=damping,
+        v1=v1,
+        v2=v2,
+        period=period,
+        theta=theta,
     )
 
 
@@ -239,7 +256,7 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
     c = a
     fc = fa
     part = 0.5
-    for _ in range(200):
+    for _ in range(MOST_TRIALS):
         tau = a + part * (b - a)
         f = margin(q, mode, side, piece, tau)
         if (f < 0.0) == (fa < 0.0):
@@ -281,7 +298,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     `s` has the settings of the solver. `boundary` is the belt at which the motion starts, 0 for
     none. A flight from a belt starts with a velocity that is off the belt's by `offset`.
     """
-    # A row is t, x, place in EVENT_KINDS, boundary; the outcome is 0 (t_end reached), CHATTERS or
+    # A row is t, x, place in EVENT_KINDS, boundary; the outcome is REACHED_END, CHATTERS or
     # GAVE_UP.
     rows = np.empty((64, 4))
     count = 0
@@ -294,7 +311,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
         here = from_now(q, t)
         side, tau, x = leave(here, s, mode, 0.0, x, v, t_end - t)
         t += tau
-        if side == 0:
+        if side == LASTS:
             break
         if side == UNSOLVED:
             return rows, count, GAVE_UP, mode
@@ -302,6 +319,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
         kind = SLIPS
         if source > ON_BELT:
             boundary = source - ON_BELT
+            # The domain above a belt has the number of the belt + 1, that below it the belt's own.
             if side > 0:
                 mode = boundary + 1
             else:
@@ -335,7 +353,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
         count += 1
         if count > CHATTER and t - rows[count - 1 - CHATTER, 0] < q.period:
             return rows, count, CHATTERS, mode
-    return rows, count, 0, mode
+    return rows, count, REACHED_END, mode
 
 
 def with_solver(leave: Callable[..., tuple[int, float, float]]) -> Record:
@@ -356,7 +374,10 @@ def runner(
     t0 = float(scene.t0)
     x = float(scene.x0)
     v = float(scene.v0)
-    arguments = q, settings, 0.0, x, v, *start_mode(q, x, v), offset * max(abs(q.v1), abs(q.v2))
+    mode, boundary = start_mode(q, x, v)
+    start_offset = offset * max(abs(q.v1), abs(q.v2))
+    # All arguments of `follow` but its last one, t_end. Its clock starts at 0.
+    arguments = q, settings, 0.0, x, v, mode, boundary, start_offset
     duration = float(scene.t_end - scene.t0)
     follow = functions["follow"]
     follow(*arguments, 0.0)  # compiles

@@ -17,7 +17,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from itertools import starmap
 from math import cos, sin
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,12 +36,23 @@ from symosc.model import Parameters
 from symosc.scenes import Scene
 
 
-def tables(q: PeerProblem) -> tuple[dict[Any, Any], ...]:
-    """Return A_alpha/m by domain, belt speeds, integrator parameters by mode, and velocities just
-    off a belt.
+class Tables(NamedTuple):
+    """What the callbacks look up: A_alpha/m by domain, belt speeds, the integrator's parameters by
+    mode, and the velocities just off a belt by (belt, domain).
     """
+
+    A: dict[int, float]
+    belts: dict[int, float]
+    parameters: dict[int, np.ndarray]
+    starts: dict[tuple[int, int], float]
+
+
+def tables(q: PeerProblem) -> Tables:
+    """Return the tables of a problem."""
     A = {1: q.A1, 2: q.A2, 3: q.A3}
     belts = {1: q.v1, 2: q.v2}
+    # The eight parameters of `equations`. In a flight the functions are v - v1 and v - v2, on a belt
+    # the accelerations below and above it.
     parameters = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -q.v1, 1.0, 0.0, -q.v2]) for alpha in A}
     for boundary, (below, above) in NEIGHBOURS.items():
         parameters[ON_BELT + boundary] = np.array(
@@ -50,7 +61,7 @@ def tables(q: PeerProblem) -> tuple[dict[Any, Any], ...]:
     offset = ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
     starts = {(boundary, boundary): v - offset for boundary, v in belts.items()}
     starts |= {(boundary, boundary + 1): v + offset for boundary, v in belts.items()}
-    return A, belts, parameters, starts
+    return Tables(A, belts, parameters, starts)
 
 
 def equations(q: PeerProblem) -> tuple[list[Any], tuple[Any, Any]]:
@@ -60,6 +71,9 @@ def equations(q: PeerProblem) -> tuple[list[Any], tuple[Any, Any]]:
     import heyoka as hy
 
     x, v, C, S = hy.make_vars("x", "v", "C", "S")
+    # p[0] is 1 in a flight and 0 on a belt, p[1] A_alpha/m; p[2] to p[4] are the factors of velocity
+    # and acceleration without friction, and the constant, of the first function, p[5] to p[7] those
+    # of the second. C and S are the drive, B0/m times cosine and sine of its phase.
     p = hy.par
     a = C - q.stiffness * x - q.damping * v
     rates = [(x, v), (v, p[0] * (a + p[1])), (C, -q.Omega * S), (S, q.Omega * C)]
@@ -78,7 +92,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
     damping = q.damping
     t0 = float(scene.t0)
     # What the callbacks work on, set by `run`: the mode, `append` of the list of events, and views
-    # of the integrator's state (`item` reads a number of it) and parameters.
+    # of the integrator's state x, v, C, S (`item` reads a number of it) and parameters.
     now: int
     append: Any
     item: Any
@@ -149,7 +163,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
     start = np.array([x0, v, q.swing * cos(q.theta), q.swing * sin(q.theta)])
     duration = float(scene.t_end - scene.t0)
     # Steps that a run may take: this number per period, and as many before the first one.
-    most = 100 * CHATTER * (1 + int(duration / q.period))
+    most_steps = 100 * CHATTER * (1 + int(duration / q.period))
 
     def run() -> Iterator[SolverEvent]:
         nonlocal now, append, item, state, p_now
@@ -162,7 +176,7 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
         item = state.item
         p_now[:] = pars[mode]
         state[:] = start
-        outcome = integrator.propagate_until(duration, max_steps=most)[0]
+        outcome, *_ = integrator.propagate_until(duration, max_steps=most_steps)
         # The integrator owns the callbacks: they must not own it.
         append = None
         item = None
@@ -208,11 +222,12 @@ def count_many(
             source = now[i]
             if source > ON_BELT:
                 boundary = source - ON_BELT
-                mode = boundary + event - 1
+                mode = boundary + event - 1  # the domain below the belt (event 1), or above (2)
                 now[i] = mode
                 v_now[i] = v_starts[boundary, mode]
                 parameters[i][:] = pars[mode]
                 return True
+            # The acceleration without friction. With that on either side it says what follows.
             a = drive(i) - stiffness * position(i) - drag
             if a + A_above > 0.0:
                 now[i] = event + 1
@@ -237,6 +252,8 @@ def count_many(
     zeros = np.zeros((4, width))
     options = {"t_events": events, "tol": tolerance, "fast_math": True}
     integrator = hy.taylor_adaptive_batch(rates, zeros, pars=np.zeros((8, width)), **options)
+    # Views, with a column for each motion: rows x, v, C, S of the state, and the parameters of
+    # `equations`.
     state = integrator.state
     all_parameters = integrator.pars
     parameters = list(all_parameters.T)
@@ -259,11 +276,11 @@ def count_many(
             )
             integrator.set_time(0.0)
             for i, (_, x, v) in enumerate(starts[rows].tolist()):
-                now[i] = start_mode(q, x, v)[0]
+                now[i], _ = start_mode(q, x, v)
                 counts[i] = 0
                 parameters[i][:] = pars[now[i]]
             integrator.propagate_until(durations[rows])
-            outcomes = [motion[0] for motion in integrator.propagate_res]
+            outcomes = [outcome for outcome, *_ in integrator.propagate_res]
             if any(outcome != hy.taylor_outcome.time_limit for outcome in outcomes):
                 raise PeerError(f"heyoka: {integrator.propagate_res}")
             totals[rows] = counts

@@ -19,6 +19,7 @@ import numpy as np
 from symosc.base.aliases import Record
 from symosc.bench import event_logic
 from symosc.bench.event_logic import (
+    LASTS,
     ON_BELT,
     UNSOLVED,
     PeerError,
@@ -37,6 +38,8 @@ UNDERDAMPED, CRITICAL, OVERDAMPED = range(3)
 # The first sample of a flight or stick, as a part of the distance of two samples: at its start, the
 # sign of what is looked for is that of the rounding.
 FIRST_SAMPLE = 1e-5
+# A scan that has not met an exit after so many samples gives up.
+MOST_SAMPLES = 10_000_000
 
 
 class Scan(NamedTuple):
@@ -77,7 +80,7 @@ def scan_of(q: PeerProblem, points: int, tolerance: float) -> Scan:
         square = (k - Omega**2) ** 2 + (q.damping * Omega) ** 2
         P = q.swing * (k - Omega**2) / square
         Q = q.swing * q.damping * Omega / square
-        _ = 1 / k
+        _ = 1 / k  # `piece_from` divides by it
     except ZeroDivisionError:
         raise PeerError(
             "the closed form divides by zero: k = 0, or resonance without damping"
@@ -112,6 +115,7 @@ def piece_from(q, s, mode, t, x, v):
         force = q.A3
     equilibrium = force / q.stiffness
     phase = q.Omega * t + q.theta
+    # Position and velocity of the homogeneous solution: without the particular one.
     y = x - equilibrium - s.P * cos(phase) - s.Q * sin(phase)
     w = v + q.Omega * (s.P * sin(phase) - s.Q * cos(phase))
     if s.regime == UNDERDAMPED:
@@ -173,7 +177,7 @@ def leave(q, s, mode, t, x, v, t_end):
     tau = FIRST_SAMPLE * s.distance
     x, v = state_at(q, mode, piece, tau)
     below, above = margins(q, mode, t + tau, x, v)
-    for _ in range(10_000_000):
+    for _ in range(MOST_SAMPLES):
         later = tau + s.distance
         x, v = state_at(q, mode, piece, later)
         next_below, next_above = margins(q, mode, t + later, x, v)
@@ -186,16 +190,17 @@ def leave(q, s, mode, t, x, v, t_end):
                 side = 1
                 before = above
                 after = next_above
+            # Only the first sample may be outside already: then the exit is there.
             if before > 0.0:
                 at = root(q, mode, side, piece, tau, later, before, after, s.tolerance)
             else:
                 at = tau
             x, v = state_at(q, mode, piece, at)
             if t + at <= t_end:
-                return (side, t + at, x)
-            return (0, t_end, x)
+                return side, t + at, x
+            return LASTS, t_end, x
         if t + later >= t_end:
-            return 0, t_end, x
+            return LASTS, t_end, x
         tau = later
         below = next_below
         above = next_above
@@ -237,7 +242,9 @@ def count_many(
                 mode = 2
             else:
                 mode = 3
-            counts[i] = follow(q, s, t, x, v, mode, 0, 0.0, t + durations[i])[1]
+            # No start is on a belt, so that nothing is offset.
+            _rows, count, _outcome, _mode = follow(q, s, t, x, v, mode, 0, 0.0, t + durations[i])
+            counts[i] = count
 
     def run() -> np.ndarray:
         counts = np.zeros(len(starts), np.int64)

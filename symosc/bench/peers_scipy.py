@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.integrate import solve_ivp
@@ -27,6 +27,7 @@ from scipy.integrate import solve_ivp
 from symosc.base.aliases import Record
 from symosc.bench.event_logic import (
     ATOL,
+    LASTS,
     ON_BELT,
     STEPS_PER_PERIOD,
     PeerError,
@@ -51,8 +52,17 @@ MULTISTEP_OFFSET = 0.1
 State = Sequence[float]
 #: On which sides a mode can be left.
 SIDES = {1: (1,), 2: (-1, 1), 3: (-1,), 4: (-1, 1), 5: (-1, 1)}
-#: What `integrate` returns: side, t and x of the end, and turning points (t, (x, v)) before it.
-Left = tuple[int, float, float, Iterable[tuple[float, State]]]
+
+
+class Left(NamedTuple):
+    """How a flight or stick ended: side (0: it lasts until t_end), t and x there, and the turning
+    points (t, (x, v)) of its margins before.
+    """
+
+    side: int
+    t: float
+    x: float
+    turns: Iterable[tuple[float, State]]
 
 
 def _functions(
@@ -64,17 +74,21 @@ def _functions(
     flies = mode <= ON_BELT
 
     def rate(t: float, y: State) -> tuple[float, float]:
+        x, v = y
         if flies:
-            return y[1], force(q, mode, t, y[0], y[1])
-        return y[1], 0.0
+            return v, force(q, mode, t, x, v)
+        return v, 0.0
 
-    def margin_at(place: int, t: float, y: State) -> float:
-        return margins(q, mode, t, y[0], y[1])[place]
+    def margin_at(side: int, t: float, y: State) -> float:
+        below, above = margins(q, mode, t, *y)
+        if side > 0:
+            return above
+        return below
 
     def turning(t: float, y: State) -> float:
-        return turn(q, mode, t, y[0], y[1])
+        return turn(q, mode, t, *y)
 
-    exits = [partial(margin_at, int(side > 0)) for side in SIDES[mode]]
+    exits = [partial(margin_at, side) for side in SIDES[mode]]
     jacobian = np.array([[0.0, 1.0], [0.0, 0.0]])
     if flies:
         jacobian[1] = -q.stiffness, -q.damping
@@ -87,6 +101,8 @@ def integrate(options: Record, q: PeerProblem, mode: int, x: float, v: float, t_
     Return side, t and x of its end, and the turning points before it.
     """
     rate, functions, jacobian = _functions(q, mode)
+    # Partials, because solve_ivp reads attributes of its event functions. The last one, of turning
+    # points, ends nothing.
     events: list[Any] = [partial(function) for function in functions]
     for event in events[:-1]:
         event.direction = -1
@@ -100,10 +116,14 @@ def integrate(options: Record, q: PeerProblem, mode: int, x: float, v: float, t_
     if not solution.success:
         raise PeerError(f"solve_ivp: {solution.message}")
     turns = list(zip(solution.t_events[-1], solution.y_events[-1], strict=True))
+    # Exits come first among the functions, in the order of SIDES; they are terminal, so that at most
+    # one has a time.
     for side, times, states in zip(SIDES[mode], solution.t_events, solution.y_events, strict=False):
         if len(times):
-            return side, float(times[0]), float(states[0][0]), turns
-    return 0, float(solution.t[-1]), float(solution.y[0, -1]), turns
+            x_exit, _ = states[0]
+            return Left(side, float(times[0]), float(x_exit), turns)
+    positions, _ = solution.y
+    return Left(LASTS, float(solution.t[-1]), float(positions[-1]), turns)
 
 
 def leave_by(options: Record) -> Callable[..., tuple[int, float, float]]:
@@ -112,13 +132,15 @@ def leave_by(options: Record) -> Callable[..., tuple[int, float, float]]:
     def leave(
         q: PeerProblem, s: None, mode: int, t: float, x: float, v: float, t_end: float
     ) -> tuple[int, float, float]:
-        side, end, x_end, turns = integrate(options, q, mode, x, v, t_end)
-        for at, state in turns:
-            if 0 < at < end and min(margins(q, mode, at, *state)) < 0:
-                before = integrate(options, q, mode, x, v, float(at))
-                if before[0]:
-                    return before[:3]
-        return side, end, x_end
+        left = integrate(options, q, mode, x, v, t_end)
+        for at, state in left.turns:
+            # Outside at a turning point: an exit before it was missed, which a shorter integration
+            # finds.
+            if 0 < at < left.t and min(margins(q, mode, at, *state)) < 0:
+                missed = integrate(options, q, mode, x, v, float(at))
+                if missed.side != LASTS:
+                    return missed.side, missed.t, missed.x
+        return left.side, left.t, left.x
 
     return leave
 

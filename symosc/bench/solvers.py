@@ -284,6 +284,7 @@ def in_parallel(
             for key, *call in chunk:
                 if stop.is_set():
                     break
+                # A process that is new, or was ended by a job before, is warmed by the first job.
                 _, *first_call = chunk[0]
                 worker.warm("", *first_call)
                 with turn:

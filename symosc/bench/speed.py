@@ -58,6 +58,7 @@ COUNTS = ("events",)
 # Seconds: what takes longer is measured once, what takes less several times in a turn.
 LONG = 5.0
 SHORT = 0.01
+MOST_CALLS = 20
 
 
 class Call(NamedTuple):
@@ -435,6 +436,7 @@ def run(quick: bool = False, progress: Progress = iter) -> Record:
     # s (seconds per unit), over_c, and over_first (as a multiple of the group's first row).
     repeats = 3 if quick else 7
     measured = [_measured(group, repeats, progress) for group in groups(quick)]
+    # The first call of the first group counts the events of fig5: its unit is an event.
     c = measured[0]["rows"][0]["s"]
     for row in (row for group in measured for row in group["rows"]):
         row["over_c"] = row["s"] / c
@@ -464,18 +466,20 @@ def _measured(group: Group, repeats: int, progress: Progress) -> Record:
             lengths.append(first)
         else:
             lengths.append(max(_seconds(call.action, clock), 1e-6))
-    times: list[list[float]] = [[] for _ in calls]
+    times: list[list[float]] = [[] for _ in calls]  # of each call, seconds per unit in each turn
     for turn in progress(range(repeats)):
-        for call, length, unit, of_call in zip(calls, lengths, units, times, strict=True):
+        for call, length, unit, call_times in zip(calls, lengths, units, times, strict=True):
             if call.once:
-                of_call.append(length / unit)
+                call_times.append(length / unit)
             elif turn == 0 or length <= LONG:
-                count = min(20, 1 + int(SHORT / length))
-                of_call.append(min(_seconds(call.action, clock) for _ in range(count)) / unit)
+                # A short call is made again: the best of several is hardly disturbed.
+                count = min(MOST_CALLS, 1 + int(SHORT / length))
+                call_times.append(min(_seconds(call.action, clock) for _ in range(count)) / unit)
     rows = []
-    for call, of_call in zip(calls, times, strict=True):
-        ratio = median(time / first for time, first in zip(of_call, times[0], strict=False))
-        row = {"what": call.what, "per": call.per, "s": min(of_call), "over_first": ratio}
+    for call, call_times in zip(calls, times, strict=True):
+        # Ratios of the same turn: the machine's pace is then that of both.
+        ratio = median(time / first for time, first in zip(call_times, times[0], strict=False))
+        row = {"what": call.what, "per": call.per, "s": min(call_times), "over_first": ratio}
         rows.append(row)
     return {"title": group.title, "rows": rows}
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import inf, isfinite, nan, pi
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -99,19 +99,28 @@ def prepare(solver: Solver, scene: Scene, tolerance: float) -> None:
         follow()  # numba compiles our event loop when it is first called
 
 
+class SolverRun(NamedTuple):
+    """What `measure` measures: seconds of the preparation, of the first call and of its repeats,
+    those of one closed-form evaluation right after each repeat (some machines change their pace by
+    the second), and the events.
+    """
+
+    prepared: float
+    first_call: float
+    repeats: list[float]
+    floors: list[float]
+    events: list[SolverEvent]
+
+
 def measure(
     solver: Solver, scene: Scene, tolerance: float, until: float, limit: float, budget: float
-) -> tuple[list[float], list[float], list[SolverEvent]]:
-    """Measure a solver on a scene.
-
-    Return its times, times of one closed-form evaluation, and events up to `until`.
+) -> SolverRun:
+    """Measure a solver on a scene, with its events up to `until`.
 
     The solver is called again until `budget` seconds are spent, unless one call takes a large part
     of `limit`.
     """
-    # First the seconds of the preparation and of all calls, then those of one closed-form
-    # evaluation right after each repeated call: some machines change their pace by the second. Only
-    # what the call itself does is timed: the events are read afterwards, and an iterator makes
+    # Only what the call itself does is timed: the events are read afterwards, and an iterator makes
     # objects of them only then.
     begin = time.perf_counter()
     follow = solver.prepare(scene, tolerance)
@@ -119,23 +128,31 @@ def measure(
     events = follow()
     first_call = time.perf_counter() - prepared
     if first_call > LONG_CALL_PART * limit:
-        least = 0
+        least_repeats = 0
     elif first_call > SHORT_CALL:
-        least = 1
+        least_repeats = 1
     else:
-        least = LEAST_REPEATS
-    if least:
+        least_repeats = LEAST_REPEATS
+    if least_repeats:
         floors = []
     else:
-        floors = [floor_s()]
+        floors = [floor_s()]  # that of the first call
     repeats = list[float]()
-    while len(repeats) < least or (least and sum(repeats) < budget and len(repeats) < MOST_REPEATS):
-        again = time.perf_counter()
+
+    def goes_on() -> bool:
+        if len(repeats) < least_repeats:
+            return True
+        has_budget = sum(repeats) < budget and len(repeats) < MOST_REPEATS
+        return least_repeats > 0 and has_budget
+
+    while goes_on():
+        repeat_begin = time.perf_counter()
         events = follow()
-        repeats.append(time.perf_counter() - again)
+        repeats.append(time.perf_counter() - repeat_begin)
         floors.append(floor_s())
-    times = [prepared - begin, first_call, *repeats]
-    return times, floors, [event for event in events if not event.t > until]
+    # An event at nan is kept: it is a fault of the solver.
+    events_shown = [event for event in events if not event.t > until]
+    return SolverRun(prepared - begin, first_call, repeats, floors, events_shown)
 
 
 def run(
@@ -230,13 +247,12 @@ def run(
 def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[TimeSpan, TimeSpan]:
     """Return a scene cut off after `short` events, and cut off after `long` events.
 
-    The first is compared as a whole.
-
-    Of the second only the first `compared` events are compared with the exact ones.
+    The first is compared as a whole, of the second only the first `compared` events.
     """
-    far = scene.t0 + 10**6
+    far = scene.t0 + 10**6  # never reached: the number of events ends the motion
 
     def until(events: Sequence[Event], number: int) -> float:
+        """Return the time halfway between the event `number`, from 1, and the next one."""
         return (float(events[number - 1].t) + float(events[number].t)) / 2
 
     def span(count: int, compared: int) -> TimeSpan:
@@ -281,23 +297,23 @@ def _row_numbers(outcome: Outcome, span: TimeSpan) -> Record:
     about = {"compared": len(span.reference)}
     if outcome.failure:
         return about | dict.fromkeys((*TIME_KEYS, *ERROR_KEYS))
-    (prepared, first, *repeats), floors, events = outcome.value
-    times = repeats or [first]
+    run: SolverRun = outcome.value
+    times = run.repeats or [run.first_call]
     count = span.count
-    multiple = median(a / b for a, b in zip(times, floors, strict=True)) / count
+    ratios = [seconds / floor for seconds, floor in zip(times, run.floors, strict=True)]
     values = (
-        prepared,
-        first,
-        repeats,
+        run.prepared,
+        run.first_call,
+        run.repeats,
         count,
         1e6 / count * median(times),
-        1e9 * min(floors),
-        multiple,
+        1e9 * min(run.floors),
+        median(ratios) / count,
     )
     return (
         about
         | dict(zip(TIME_KEYS, values, strict=True))
-        | compare(events, span.scene, span.reference)
+        | compare(run.events, span.scene, span.reference)
     )
 
 

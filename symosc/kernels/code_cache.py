@@ -123,6 +123,7 @@ class _CheckedCache(FunctionCache):
         return self._found
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return compiled code from the disk; None, so that it is compiled, where that fails."""
         try:
             return super().load_overload(sig, target_context)
         except OSError:  # there is nothing that could be read

@@ -104,6 +104,7 @@ def pair_atan(yh, yl, xh, xl):
     qh, ql = pair_sum(xh, xl, qh, ql)
     zh, zl = pair_quotient(ph, pl, qh, ql)
     q = zh * zh
+    # The series z - z^3/3 + z^5/5 - ...: only its first term needs a pair.
     tail = q * (1 / 5 - q * (1 / 7 - q * (1 / 9 - q * (1 / 11 - q * (1 / 13 - q * (1 / 15))))))
     zh, zl = fast_sum(zh, zl - zh * q * (1 / 3 - tail))
     ah, al = ATAN[j]

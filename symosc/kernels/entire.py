@@ -104,7 +104,7 @@ def series(tau, cm, w0sq, Om):
     R2 = r
     I2 = i
     small_before = False
-    for n in range(1, 38):
+    for n in range(1, 38):  # as far as INVERSES go; it stops earlier
         slope = -cm * term - w0sq * tau * INVERSES[n] * before  # s[n+1] tau^n / n!: a term of E0
         before = term
         term = slope * tau * INVERSES[n + 1]
@@ -174,8 +174,10 @@ def wave_integrals(tau, s, c, E1, K):
     """
     real1, _, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, K.detuning, tau)  # over l1 - i Om
+    # The numerator: this quotient times exp(i Omega tau), less E1.
     top_real = c * real - s * imag - E1
     top_imag = c * imag + s * real
+    # From here on these are the denominator, i Omega - l2.
     real2 = -real2
     imag2 = K.Om - imag2
     size = real2 * real2 + imag2 * imag2

@@ -114,7 +114,12 @@ def _operator(
                 return signature(LanesType(lanes.width, to_flags), *(lanes for _ in arguments))
             return None
 
-    @lower_builtin(name, *[LanesType] * (1 if name in (operator.neg, operator.invert) else 2))
+    if name in (operator.neg, operator.invert):
+        operands = 1
+    else:
+        operands = 2
+
+    @lower_builtin(name, *[LanesType] * operands)
     def lowered(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         return code(builder, *arguments)
 
@@ -144,12 +149,12 @@ def _llvm_intrinsic(name: str) -> Any:
 
     def function(typingctx: Any, x: Any) -> Any:
         def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-            kind = arguments[0].type
-            called = f"llvm.{name}.v{x.width}f64"
-            made = cgutils.get_or_insert_function(
-                builder.module, ir.FunctionType(kind, [kind]), called
+            (lanes,) = arguments
+            kind = lanes.type
+            llvm_function = cgutils.get_or_insert_function(
+                builder.module, ir.FunctionType(kind, [kind]), f"llvm.{name}.v{x.width}f64"
             )
-            return builder.call(made, arguments)
+            return builder.call(llvm_function, arguments)
 
         return x(x), code
 
@@ -182,19 +187,20 @@ def _power_of_two(typingctx: Any, n: Any) -> Any:
     """Return 2^n for a whole number n: n + 1023 becomes the bits of a double's exponent."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        kind = arguments[0].type
-        many = isinstance(kind, ir.VectorType)
-        if many:
-            whole = ir.VectorType(LONG, kind.count)
+        (number,) = arguments
+        kind = number.type
+        in_lanes = isinstance(kind, ir.VectorType)
+        if in_lanes:
+            integer = ir.VectorType(LONG, kind.count)
         else:
-            whole = LONG
+            integer = LONG
 
         def constant(of: Any, value: Any) -> Any:
-            return ir.Constant(of, [value] * kind.count if many else value)
+            return ir.Constant(of, [value] * kind.count if in_lanes else value)
 
         # After the addition n stands in the last bits; shifted by 52 it is the exponent.
-        bits = builder.bitcast(builder.fadd(arguments[0], constant(kind, TO_INTEGER)), whole)
-        bits = builder.shl(builder.add(bits, constant(whole, 1023)), constant(whole, 52))
+        bits = builder.bitcast(builder.fadd(number, constant(kind, TO_INTEGER)), integer)
+        bits = builder.shl(builder.add(bits, constant(integer, 1023)), constant(integer, 52))
         return builder.bitcast(bits, kind)
 
     return n(n), code
@@ -214,14 +220,14 @@ def select(typingctx: Any, condition: Any, value: Any, fallback: Any) -> Any:
             kind.flags if isinstance(kind, LanesType) else isinstance(kind, types.Boolean)
             for kind in (value, fallback)
         ]
-        wanted = LanesType(condition.width, all(flags))
+        result = LanesType(condition.width, all(flags))
     else:
-        wanted = typingctx.unify_types(value, fallback)
+        result = typingctx.unify_types(value, fallback)
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
         return builder.select(*arguments)
 
-    return wanted(condition, wanted, wanted), code
+    return result(condition, result, result), code
 
 
 @intrinsic
@@ -279,7 +285,8 @@ def put_number(typingctx: Any, table: Any, row: Any, n: Any, number: Any) -> Any
     """Write the n-th number in a row of a table whose fields are all doubles."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        builder.store(arguments[3], _address_in(context, builder, table, *arguments[:3]))
+        *address, value = arguments
+        builder.store(value, _address_in(context, builder, table, *address))
 
     return types.void(table, types.int64, types.int64, types.float64), code
 

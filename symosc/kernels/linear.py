@@ -74,10 +74,10 @@ def factors(matrix: np.ndarray) -> Factors:
         for row in rows[k + 1 :]:
             if row[k] == 0.0:  # as most are in the closing equations of an orbit
                 continue
-            part = row[k] / top[k]
-            row[k] = part
+            factor = row[k] / top[k]
+            row[k] = factor  # in the place of the 0: `solve` takes the same steps on a right side
             row[k + 1 :] = [
-                value - part * above
+                value - factor * above
                 for value, above in zip(row[k + 1 :], top[k + 1 :], strict=True)
             ]
         if top[k] == 0.0:
@@ -148,6 +148,8 @@ def triangle(columns: list[list[float]]) -> Triangle:
         largest = k + sizes.index(size)
         columns[k], columns[largest] = columns[largest], columns[k]
         order[k], order[largest] = order[largest], order[k]
+        # The reflection turns what is left of the column into its first axis. Of the two that do,
+        # this one adds numbers of the same sign, so that no digits cancel.
         normal = columns[k][k:]
         normal[0] += copysign(sqrt(size), normal[0])
         if size > 0.0:

@@ -148,11 +148,12 @@ def repeated(tau, E0, E1, E2, R2, I2, s, c, K):
         l1 = complex(K.l1, zero)
         l2 = complex(K.l2, zero)
     nodes = (complex(zero, zero), complex(zero, K.Om), l1, l2)
-    # one place for each key (`key_of`)
+    # One slot for each key (`key_of`), of which there are 2 * 3 * 3 * 3.
     known = [complex(zero, zero)] * 54
     there = [False] * 54
+    # The four numbers say how often 0, i Omega, l1 and l2 are taken.
     U1 = divided_difference(0, 0, 2, 2, nodes, tau, known, there)
-    # Leibniz' rule for z exp(z tau)
+    # Leibniz' rule for z exp(z tau): differentiating by tau multiplies by z.
     U0 = l1 * U1 + divided_difference(0, 0, 1, 2, nodes, tau, known, there)
     U2 = divided_difference(1, 0, 2, 2, nodes, tau, known, there)
     Z = divided_difference(0, 1, 2, 2, nodes, tau, known, there)
@@ -246,7 +247,7 @@ def difference_by_series(counts, nodes, tau):
         centre = total / size
     else:
         centre = 0.0 * total
-    offsets = [0.0 * centre] * 5
+    offsets = [0.0 * centre] * 5  # of all nodes, each as often as it is taken: five at most
     radius = 0.0 * tau
     scale = exp(centre * tau)
     at = 0
@@ -360,7 +361,8 @@ def flights_and_slopes(points, speeds, A, K, f, J):
     A_alpha/m.
     """
     v_i, v_j = speeds
-    # Rows: 4 of points, 2 of residuals, 3 of derivatives of each. Those by x_j are constant.
+    # Rows of a block: 0 to 3 points, 4 and 5 residuals, 6 to 8 derivatives of f1 by x_i, theta_i,
+    # theta_j, 9 to 11 those of f2. Derivatives by x_j are constant.
     block = np.empty(12 * BLOCK)
     J[0, 2] = -1.0
     J[1, 2] = 0.0
@@ -413,6 +415,7 @@ def sticks_and_slopes(points, v, sides, K, f, J):
     x_j, theta_j.
     """
     sticks(points, v, sides, K, f)
+    # f1 is x_i - x_j and a function of the phases; f2 depends on x_j and theta_j only.
     J[0, 0] = 1.0
     J[0, 2] = -1.0
     J[1, 0] = 0.0

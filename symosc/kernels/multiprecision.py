@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 from symosc.base.aliases import Context, Mpf, Number
 from symosc.kernels._generated import basis_apart
@@ -140,6 +140,17 @@ def _complex(digits: int, real: object, imag: object) -> Number:
     return mp_context(digits).make_mpc((from_pickable(real), from_pickable(imag)))
 
 
+class ClosedForm(NamedTuple):
+    """The constants that `basis_apart` takes last, in its order."""
+
+    h: Mpf
+    w: Mpf
+    w0sq: Mpf
+    Om: Mpf
+    p: Mpf
+    q: Mpf
+
+
 class BasisMP:
     """The responses E0, E1, E2 (to an impulse), R2, I2 (to the drive) in many digits, as a function
     of time tau.
@@ -158,6 +169,7 @@ class BasisMP:
         self.h = parameters.c / (2 * parameters.m)
         self.w0sq = parameters.k / parameters.m
         self.Om = parameters.Omega
+        # A difference over two nodes loses as many bits as their gap is smaller than the nodes.
         near = with_bits(ROOT_BITS)
         nodes = (near.mpf(0), *self._roots(near))
         size = max(abs(node) for node in nodes)
@@ -174,13 +186,14 @@ class BasisMP:
         self.constants = tuple(_number(q, self.for_series) for q in (2 * self.h, self.w0sq, wave))
         self.for_differences.enter()
         l1, l2, i_Om = self.roots = self._roots(self.for_differences)
-        # For the differences over pairs of nodes; None where the nodes are the same.
+        # For the differences over pairs of nodes; None where the nodes are the same. 0 * l1 is the
+        # node 0, as a number of the same kind.
         gaps = [l1 - l2, 0 * l1 - l1, i_Om - l1, 0 * l2 - l2, i_Om - l2]
         self.inverses: tuple[Any, ...] = tuple(1 / gap if gap != 0 else None for gap in gaps)
         # For the closed form, if the roots are complex and no nodes are the same.
         h, w0sq, Om = (_number(q, self.for_differences) for q in (self.h, self.w0sq, self.Om))
         self.has_closed_form = self.w0sq > self.h * self.h and None not in self.inverses
-        self.closed = h, l1.imag, w0sq, Om, w0sq - Om * Om, 2 * h * Om
+        self.closed = ClosedForm(h, l1.imag, w0sq, Om, p=w0sq - Om * Om, q=2 * h * Om)
         self.for_differences.leave(before)
 
     def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
@@ -274,10 +287,11 @@ class BasisMP:
         generated.
         """
         context = self.for_differences
-        (h, w, _, Om, _, _) = self.closed
-        c_w, s_w = context.cos_sin(w * tau)
-        c, s = context.cos_sin(Om * tau)
-        return *basis_apart(context.exp(-h * tau), s_w, c_w, s, c, *self.closed), s, c
+        constants = self.closed
+        decay = context.exp(-constants.h * tau)
+        c_w, s_w = context.cos_sin(constants.w * tau)
+        c, s = context.cos_sin(constants.Om * tau)
+        return *basis_apart(decay, s_w, c_w, s, c, *constants), s, c
 
     def _divided_differences(self, tau: Mpf) -> tuple[Mpf, ...]:
         """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by divided differences of exp."""
@@ -299,7 +313,8 @@ class BasisMP:
             exp1 = context.exp(l1 * tau)
             inner = tau * exp1
             slope = (1 + l1 * tau) * exp1
-        # tau e[0, l1 tau] and tau e[i Omega tau, l1 tau]
+        # tau e[0, l1 tau] and tau e[i Omega tau, l1 tau]; over equal nodes a difference of exp is
+        # its derivative.
         if over_0_l1 is not None:
             still = (context.one - exp1) * over_0_l1
         else:

@@ -424,10 +424,12 @@ def _whole(x):
     def whole(x):
         size = abs(x)
         high = math.floor(size.hi)
-        below = int(high) + (math.floor(size.lo) if high == size.hi else 0)
+        integer = int(high)
+        if high == size.hi:  # else hi has a fraction, and lo is too small to change the result
+            integer += math.floor(size.lo)
         if x.hi < 0.0:
-            return -below
-        return below
+            return -integer
+        return integer
 
     if isinstance(x, types.Complex):  # a whole number among those in an array
         return lambda x: int(x.real)
@@ -508,12 +510,12 @@ def turned_sine(x, quarters):
     c = square * (-F2 + square * (F4 + pair(q * (-F6 + q * F8), 0.0)))  # cos - 1
     j = int(steps) + quarters * QUARTER
     i = j & (QUARTER - 1)
-    at = pair(float(SINES_HIGH[i]), float(SINES_LOW[i]))
-    beside = pair(float(SINES_HIGH[QUARTER - i]), float(SINES_LOW[QUARTER - i]))
-    if j & QUARTER:
-        at, beside = beside, -at
-    value = at + (at * c + beside * s)  # sin(a + r) = sin a + sin a (cos r - 1) + cos a sin r
-    if j & (2 * QUARTER):
+    sine = pair(float(SINES_HIGH[i]), float(SINES_LOW[i]))
+    cosine = pair(float(SINES_HIGH[QUARTER - i]), float(SINES_LOW[QUARTER - i]))
+    if j & QUARTER:  # in the second or fourth quarter: sin(a + pi/2) = cos a
+        sine, cosine = cosine, -sine
+    value = sine + (sine * c + cosine * s)  # sin(a + r) = sin a + sin a (cos r - 1) + cos a sin r
+    if j & (2 * QUARTER):  # in the second half turn
         return -value
     return value
 

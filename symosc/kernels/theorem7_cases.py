@@ -153,27 +153,32 @@ def window(k, v, B, Omega, side, full):
     # With ALL_BUT_ONE, low = high is the excluded phase. EQUALITY_UNDECIDED: too near |k v| = |B0
     # Omega| for numbers that are no doubles. theta_cr is nan where Theta_cr does not exist.
     # The products p = k v and q = B0 Omega: high and low part, to be multiplied by 2^exponent.
-    ph, pl, pe = scaled_product(k[0], k[1], v[0], v[1])
-    qh, ql, qe = scaled_product(B[0], B[1], Omega[0], Omega[1])
-    p_sign = sign(ph)
-    q_sign = sign(qh)
+    k_high, k_low = k
+    v_high, v_low = v
+    B_high, B_low = B
+    Omega_high, Omega_low = Omega
+    p_high, p_low, p_exponent = scaled_product(k_high, k_low, v_high, v_low)
+    q_high, q_low, q_exponent = scaled_product(B_high, B_low, Omega_high, Omega_low)
+    p_sign = sign(p_high)
+    q_sign = sign(q_high)
     if q_sign == 0:
         return window_kind(side, p_sign, 0, 0, full), nan, nan, nan
-    # 2^3 is more than the mantissas can make up for; further up only |k v| > |B0 Omega| matters.
-    shift = min(pe - qe, 3)
-    ph = ldexp(p_sign * ph, shift)
-    pl = ldexp(p_sign * pl, shift)
-    qh = q_sign * qh
-    ql = q_sign * ql
-    difference, rest = pair_sum(ph, pl, -qh, -ql)
+    # From here on |p| and |q|, in the units of q. 2^3 is more than the mantissas can make up for;
+    # further up only |k v| > |B0 Omega| matters.
+    shift = min(p_exponent - q_exponent, 3)
+    p_high = ldexp(p_sign * p_high, shift)
+    p_low = ldexp(p_sign * p_low, shift)
+    q_high = q_sign * q_high
+    q_low = q_sign * q_low
+    difference, rest = pair_sum(p_high, p_low, -q_high, -q_low)
     if difference != 0.0:
         excess_sign = sign(difference)
     else:
         excess_sign = sign(rest)
-    exact = k[1] == 0.0 and v[1] == 0.0 and B[1] == 0.0 and Omega[1] == 0.0
-    # Products of pairs are right to some units of 2^-104: closer to equality than this, rational
-    # numbers must decide.
-    if not exact and abs(difference) <= 2.0**-98:
+    are_doubles = k_low == 0.0 and v_low == 0.0 and B_low == 0.0 and Omega_low == 0.0
+    # The product of two doubles is an exact pair. Products of pairs are right to some units of
+    # 2^-104: closer to equality than this, rational numbers must decide.
+    if not are_doubles and abs(difference) <= 2.0**-98:
         return EQUALITY_UNDECIDED, nan, nan, nan
     kind = window_kind(side, p_sign, q_sign, excess_sign, full)
     slope = -p_sign * q_sign  # sign of sin(theta_cr)
@@ -188,15 +193,16 @@ def window(k, v, B, Omega, side, full):
         else:
             point = THREE_HALVES_PI
         return kind, point, point, theta_cr
-    ah, al = pair_asin(ph, pl, qh, ql)  # |theta_cr|, high and low part
+    size_high, size_low = pair_asin(p_high, p_low, q_high, q_low)  # |theta_cr|
     # + 0.0: no -0.0
-    ah = slope * ah + 0.0
-    al = slope * al
-    turned, _ = pair_sum(PI_PAIR[0], PI_PAIR[1], -ah, -al)  # pi - theta_cr
-    wrapped, _ = pair_sum(TWO_PI_PAIR[0], TWO_PI_PAIR[1], ah, al)  # 2 pi + theta_cr
-    if side * q_sign > 0:  # sin(theta) > sin(theta_cr)
-        return kind, (wrapped if ah < 0.0 else ah), turned, ah
-    return kind, turned, (ah if ah > 0.0 else wrapped), ah
+    theta_cr = slope * size_high + 0.0
+    theta_low = slope * size_low
+    turned, _ = pair_sum(PI_PAIR[0], PI_PAIR[1], -theta_cr, -theta_low)  # pi - theta_cr
+    wrapped, _ = pair_sum(TWO_PI_PAIR[0], TWO_PI_PAIR[1], theta_cr, theta_low)  # 2 pi + theta_cr
+    # The window is where sin(theta) is above sin(theta_cr), or below it.
+    if side * q_sign > 0:
+        return kind, (wrapped if theta_cr < 0.0 else theta_cr), turned, theta_cr
+    return kind, turned, (theta_cr if theta_cr > 0.0 else wrapped), theta_cr
 
 
 def windows(pairs, side, full, columns):

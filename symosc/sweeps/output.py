@@ -18,7 +18,7 @@ from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -135,11 +135,13 @@ def _call_text(plan: SweepPlan) -> str:
     scene = plan.scene
     axes = list[str]()
     for name, axis in over.items():
-        if len(axis.values) > MOST_WRITTEN:  # the coordinates have them
+        if axis.text:
+            values = repr(axis.text)
+        elif len(axis.values) > MOST_WRITTEN:  # the coordinates have them
             values = f"dataset[{name!r}].values"
         else:
             values = repr(axis.values.tolist())
-        axes.append(f"{name!r}: {repr(axis.text) if axis.text else values}")
+        axes.append(f"{name!r}: {values}")
     written = "{" + ", ".join(axes) + "}"
     if SET_AXIS in plan.sizes:
         written = (
@@ -253,10 +255,10 @@ def write_output(dataset: xarray.Dataset, path: Path, folder: Path) -> None:
     try:
         remove(draft)
         WRITERS[suffix](dataset.assign_attrs({"sha256": NO_CHECKSUM}), draft)
-        checksum, _, begin = _checksum(draft)
+        checksum = _checksum(draft)
         with _text_file(draft).open("r+b") as file:
-            file.seek(begin)
-            file.write(checksum.encode())
+            file.seek(checksum.begin)
+            file.write(checksum.actual.encode())
         for entry in (*_files_in(draft).values(), *filter(Path.is_dir, draft.rglob("*")), draft):
             _to_disk(entry)
         if plan_of(path, to_replace=True) is not None and path.is_dir():
@@ -283,10 +285,16 @@ def _to_disk(path: Path) -> None:
             os.close(handle)
 
 
-def _checksum(path: Path) -> tuple[str, str, int]:
-    """Return the checksum of an output, the one that is stated in it ("" if none), and the stated
-    one's position.
-    """
+class Checksum(NamedTuple):
+    """The checksum of an output, the one that is stated in it ("" if none), and where that begins."""
+
+    actual: str
+    stated: str
+    begin: int
+
+
+def _checksum(path: Path) -> Checksum:
+    """Return the checksums of an output; the place of the stated one counts as NO_CHECKSUM."""
     file_with_checksum = _text_file(path)
     stated = ""
     begin = 0
@@ -302,7 +310,7 @@ def _checksum(path: Path) -> tuple[str, str, int]:
             checksum.update(NO_CHECKSUM.encode())
             content = content[end:]
         checksum.update(content)
-    return checksum.hexdigest(), stated, begin
+    return Checksum(checksum.hexdigest(), stated, begin)
 
 
 # -- formats ---------------------------------------------------------------------------------------

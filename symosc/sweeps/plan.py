@@ -332,8 +332,10 @@ def _evenly_spaced(name: str, text: str) -> np.ndarray:
     parts = text.split(":")
     if len(parts) != 3:
         raise ParameterError(name, text, AXIS_FORM)
-    low, high = (read_number(name, part)[0] for part in parts[:2])
-    count = _read_whole(f"the number of values of {name}", parts[2], 1)
+    low_text, high_text, count_text = parts
+    low, _ = read_number(name, low_text)
+    high, _ = read_number(name, high_text)
+    count = _read_whole(f"the number of values of {name}", count_text, 1)
     if count == 1 and low == high:
         return np.array([float(low)])
     if count == 1:
@@ -396,7 +398,7 @@ def _start_rows(starts: Any) -> np.ndarray:
             np.asarray(unmasked(name, column), dtype=object) for name, column in columns.items()
         ]
         try:
-            rows = np.stack(np.broadcast_arrays(*arrays), axis=-1)
+            rows = np.stack(np.broadcast_arrays(*arrays), axis=-1)  # a column of length 1 repeats
         except ValueError:
             lengths = [np.shape(column) for column in columns.values()]
             allowed = "the columns must have the same length, or length 1"

@@ -77,9 +77,9 @@ class Store:
             )
             # "" is a plan that cannot be read; None is no plan, here among files of others.
             if self.key() == "" or (self.key() is None and not is_ours):
-                wanted = "remove it, or name another output"
                 raise SweepError(
-                    f"{self.folder} is not the folder of a sweep, or is damaged: {wanted}"
+                    f"{self.folder} is not the folder of a sweep, or is damaged: remove it, or "
+                    "name another output"
                 )
             self._take_lock()
         except OSError as error:
@@ -166,18 +166,17 @@ class Store:
         """
         for begin, end in self.ranges():
             path = self.folder / CHUNK_NAME.format(begin, end)
-            size = sha256().digest_size
-            columns = Columns()
+            checksum_size = sha256().digest_size
+            columns = Columns()  # none, unless the file is intact
             with suppress(OSError):
                 file = path.read_bytes()
-                content = file[:-size]
-                checksum = file[-size:]
+                content = file[:-checksum_size]
+                checksum = file[-checksum_size:]
                 if checksum == self._checksum(begin, end, content):
                     with np.load(BytesIO(content), allow_pickle=False) as archive:
                         columns = dict(archive)
-            if columns.keys() == set(names) and all(
-                len(column) == end - begin for column in columns.values()
-            ):
+            has_columns = columns.keys() == set(names)
+            if has_columns and all(len(column) == end - begin for column in columns.values()):
                 yield begin, end, columns
             else:
                 with suppress(OSError):

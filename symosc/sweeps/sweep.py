@@ -277,9 +277,10 @@ def _carried_out(
                 pending[future] = begin, end
             done, _ = wait(pending, return_when=FIRST_COMPLETED)
             # Failed chunks come last: the others are kept before the error is raised.
-            for future in sorted(
+            failures_last = sorted(
                 done, key=lambda task: task.cancelled() or task.exception() is not None
-            ):
+            )
+            for future in failures_last:
                 begin, end = pending.pop(future)
                 with _worker_errors():
                     columns, seconds = future.result()
