@@ -386,6 +386,7 @@ def _misfit(function: Callable[..., object], count: int, named: Mapping[str, obj
     """
     title = f"{function.__qualname__.removesuffix('.__init__')}()"
     parameters = [*inspect.signature(function).parameters.values()]
+    # Kinds are in order: what may stand without a name comes before *args.
     in_order = [item for item in parameters if item.kind < item.VAR_POSITIONAL]
     names = [item.name for item in parameters if item.name != "self"]
     variable = {item.kind for item in parameters}

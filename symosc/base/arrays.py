@@ -15,14 +15,14 @@ def real_array(name: str, value: object, allowed: str) -> np.ndarray:
     unmasked(name, value)
     try:
         array = np.asarray(value)
-        plain = array is value and array.dtype.kind != "O"
-        if plain:
+        # An array of numbers has no entries of other types; a list or an array of objects may.
+        is_array_of_numbers = array is value and array.dtype.kind != "O"
+        if is_array_of_numbers:
             entries = []
         else:
             entries = np.asarray(value, dtype=object).ravel().tolist()
-        if array.dtype.kind not in "iufO" or any(
-            isinstance(entry, bool | np.bool_ | str | bytes) for entry in entries
-        ):
+        refused = (bool, np.bool_, str, bytes)
+        if array.dtype.kind not in "iufO" or any(isinstance(entry, refused) for entry in entries):
             raise TypeError  # numpy and float() would read text and booleans as numbers
         array = array.astype(float)
     except (TypeError, ValueError, OverflowError):

@@ -33,9 +33,9 @@ def brief(text: str) -> str:
     """Return text as a message shows it: on one line, shortened if long, with escapes for
     unprintable characters.
     """
-    text = "".join(
-        letter if letter.isprintable() else repr(letter)[1:-1] for letter in " ".join(text.split())
-    )
+    on_one_line = " ".join(text.split())
+    # The representation without its quotes is an escape such as \x1b.
+    text = "".join(letter if letter.isprintable() else repr(letter)[1:-1] for letter in on_one_line)
     if len(text) <= LONGEST_VALUE:
         return text
     return f"{text[: LONGEST_VALUE - 20]}… ({len(text)} characters)"
@@ -221,12 +221,9 @@ def meant(word: object, known: Iterable[str]) -> str:
     likeness = {
         name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known
     }
-    alike = [
-        name
-        for name, ratio in likeness.items()
-        if ratio >= max([LEAST_LIKENESS, *likeness.values()])
-    ]
-    if 1 <= len(alike) <= 3:
+    best = max([LEAST_LIKENESS, *likeness.values()])
+    alike = [name for name, ratio in likeness.items() if ratio >= best]
+    if 1 <= len(alike) <= 3:  # more would be no help
         return f"; did you mean {' or '.join(alike)}?"
     return ""
 

@@ -211,9 +211,9 @@ def whole_number(name: str, value: Any, least: int | None = None, most: int | No
         allowed = f" >= {least}"
     else:
         allowed = f" from {least} to {most}"
-    low = least is not None and number is not None and number < least
-    high = most is not None and number is not None and number > most
-    if number is None or low or high:
+    too_small = least is not None and number is not None and number < least
+    too_large = most is not None and number is not None and number > most
+    if number is None or too_small or too_large:
         raise ParameterError(name, value, f"must be a whole number{allowed}")
     return number
 
@@ -276,7 +276,9 @@ def show(value: Fraction) -> str:
             return f"{n:f}"
         return f"{n:f}/{d:f}"
     sign, digits, exponent = number.as_tuple()
-    if max(int(exponent), -1 - number.adjusted()) <= MOST_ZEROS:
+    zeros_after = int(exponent)  # of a large number, before the point
+    zeros_before = -1 - number.adjusted()  # of a small number, behind the point
+    if max(zeros_after, zeros_before) <= MOST_ZEROS:
         return f"{number:f}"
     first, *rest = map(str, digits)
     return f"{'-' * sign}{first}{'.' * bool(rest)}{''.join(rest)}e{number.adjusted()}"

@@ -103,12 +103,10 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
         text = str(value)
     else:
         text = value
-    if (
-        not isinstance(text, str)
-        or NUMBER.fullmatch(text.strip())
-        or NOT_FINITE.fullmatch(text.strip())
-    ):
+    if not isinstance(text, str):
         return read_exact(name, text), True
+    if NUMBER.fullmatch(text.strip()) or NOT_FINITE.fullmatch(text.strip()):
+        return read_exact(name, text), True  # which refuses what is not finite
     if is_quantity(text):
         return read_quantity(name, text)
     return read_expression(name, text)
@@ -189,18 +187,19 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
     is exact.
     """
     parts = _QUANTITY.fullmatch(text)
-    wanted = unit_of(name)
-    what = _quantity(name).meaning
-    plain = wanted == "1"
-    if plain:
-        allowed = "a number without a unit"
+    own_unit = unit_of(name)
+    meaning = _quantity(name).meaning
+    is_pure = own_unit == "1"
+    if is_pure:
+        allowed = f"{name} is the {meaning}, a number without a unit"
     else:
-        allowed = f"give it in {wanted}, or in a unit of the same kind"
-    refused = ParameterError(name, text, f"{name} is the {what}{',' if plain else ':'} {allowed}")
+        in_unit = f"give it in {own_unit}, or in a unit of the same kind"
+        allowed = f"{name} is the {meaning}: {in_unit}"
+    refused = ParameterError(name, text, allowed)
     if parts is None or len(parts["unit"]) > LONGEST_UNIT:
         raise refused
     if parts["unit"].strip() == "%":  # of a number without a unit; needs no table of units
-        if not plain:
+        if not is_pure:
             raise refused
         return read_exact(name, parts["number"]) / 100, True
     registry = _registry()
@@ -208,24 +207,25 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
         unit_given = registry.parse_units(
             parts["unit"].strip().replace("^", "**").replace("·", "*")
         )
-        if plain:
+        if is_pure:
             unit = "dimensionless"
         else:
-            unit = registry.parse_units(wanted)
+            unit = registry.parse_units(own_unit)
         # Both count turns or radians, and do not say which.
-        ambiguous = wanted == "rad/s" and any(
+        is_ambiguous = own_unit == "rad/s" and any(
             part.endswith(("hertz", "counts_per_second")) for part in unit_given._units
         )
         factor = Fraction(registry.Quantity(Fraction(1), unit_given).to(unit).magnitude)
     except Exception:  # pint has a dozen kinds, some of them AssertionError and TypeError
         raise refused from None
-    if ambiguous:
+    if is_ambiguous:
         raise ParameterError(
             name, text, "hertz may mean turns or radians per second: write turn/s or rad/s"
         )
     number = read_exact(name, parts["number"]) * factor
-    exact = max(len(str(factor.numerator)), len(str(factor.denominator))) <= LONGEST_FACTOR
-    return (number if exact else rounded(number)), exact
+    # A factor with more digits is a rounded constant, such as pi.
+    is_exact = max(len(str(factor.numerator)), len(str(factor.denominator))) <= LONGEST_FACTOR
+    return (number if is_exact else rounded(number)), is_exact
 
 
 @cache

@@ -228,17 +228,18 @@ class ReferenceCase:
         """All events, in order of time; if `periods` is not 0, those of the last forcing period
         only.
         """
-        names = KnownEvent._fields[:-1]
+        names = [name for name in KnownEvent._fields if name != "word"]
         rows = list[dict[str, Any]]()
         if self.proven:
             for row in proven_rows(self.certificate.statement):
-                rows.append(
-                    {name: row[name] for name in names} | {"t": (*row["t"],), "x": (*row["x"],)}
-                )
+                # Enclosures come as lists from JSON.
+                enclosed = {"t": tuple(row["t"]), "x": tuple(row["x"])}
+                rows.append({name: row[name] for name in names} | enclosed)
         else:
             for event in simulate(self.scene, digits=COMPUTED_DIGITS).events:
                 enclosed = {"t": _enclosed(event.t), "x": _enclosed(event.x)}
                 rows.append({name: getattr(event, name) for name in names} | enclosed)
+        # A word names the mapping from one boundary to the next; 0 is a start inside a domain.
         before = next(
             (
                 boundary
@@ -264,7 +265,8 @@ class ReferenceCase:
         rows: list[dict[str, KnownChange]] = [{} for _ in self.events]
         for n, row in enumerate(rows):
             for j, name in enumerate(proven_names):
-                row[name] = KnownChange(stated[n][0][j], stated[n][1][j], True)
+                dt_by_name, dx_by_name = stated[n]
+                row[name] = KnownChange(dt_by_name[j], dx_by_name[j], True)
         if len(proven_names) < len(NAMES):
             s = sensitivities(self.scene, NAMES, digits=COMPUTED_DIGITS)
             for n, row in enumerate(rows):
@@ -285,10 +287,11 @@ class ReferenceCase:
         """The condition number of each event; infinite for a graze."""
         # A changed number turns a graze into two contacts or none: in changed and unchanged runs
         # alike, all contacts next to a graze are left out before events are compared.
-        near = 1e-9 * 2 * pi / float(self.parameters.Omega)
-        grazes = [event.middle[0] for event in self.events if event.kind == "graze"]
+        near = 1e-9 * 2 * pi / float(self.parameters.Omega)  # a billionth of a forcing period
+        middles = [event.middle for event in self.events if event.kind == "graze"]
+        graze_times = [float(t) for t, _ in middles]
 
-        def apart(scene: Scene, digits: int) -> Sequence[Event]:
+        def events_apart(scene: Scene, digits: int) -> Sequence[Event]:
             if self.periods:
                 events = last_period(scene, digits)
             else:
@@ -296,10 +299,10 @@ class ReferenceCase:
             return [
                 event
                 for event in events
-                if all(abs(float(event.t) - float(t)) > near for t in grazes)
+                if all(abs(float(event.t) - t) > near for t in graze_times)
             ]
 
-        regular = iter(conditions(self.scene, apart))
+        regular = iter(conditions(self.scene, events_apart))
         numbers = []
         for event in self.events:
             if event.kind == "graze":
@@ -349,16 +352,17 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
     orbit = find_orbit(p, word, guess=find_orbit(p, word), digits=digits + 10)
     start = orbit.points[0]
     count = len(orbit.points)
-    once = simulate(
+    # Two periods, so that the event which closes the first one is not at the very end.
+    motion = simulate(
         p, t0=start.t, x0=start.x, v0=scene.v0, t_end=start.t + 2 * orbit.period, digits=digits
     )
-    last = context.mpf(scene.t_end.numerator) / scene.t_end.denominator
+    t_end = context.mpf(scene.t_end.numerator) / scene.t_end.denominator
     period = 2 * context.pi * p.Omega.denominator / p.Omega.numerator
-    shifted = [
-        replace(event, t=event.t + period * context.floor((last - event.t) / period))
-        for event in once.events[:count]
+    events = [
+        replace(event, t=event.t + period * context.floor((t_end - event.t) / period))
+        for event in motion.events[:count]
     ]
-    return sorted(shifted, key=lambda event: event.t)
+    return sorted(events, key=lambda event: event.t)
 
 
 # -- condition numbers -----------------------------------------------------------------------------
@@ -373,13 +377,16 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) ->
     """
     # They are infinite from the first event on that the smallest change of the input turns into
     # another one.
-    first, least_digits = INPUT_CHANGES[0]
+    largest_step, least_digits = INPUT_CHANGES[0]
     exact = {least_digits: events(scene, least_digits)}
-    certain = len(exact[least_digits])
-    totals = [[0.0, 0.0] for _ in range(certain)]
+    count = len(exact[least_digits])
+    certain = count  # events whose sequence no change alters
+    totals_t = [0.0] * count
+    totals_x = [0.0] * count
     for name in (*PARAMETER_NAMES, "t0", "x0", "v0"):
-        if shifted(scene, name, first) == scene:
+        if shifted(scene, name, largest_step) == scene:  # as 0 is, whose changes are relative
             continue
+        # Smaller and smaller changes, until one leaves the sequence of events as it is.
         for step, digits in INPUT_CHANGES:
             if digits not in exact:
                 exact[digits] = events(scene, digits)
@@ -388,10 +395,11 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) ->
             if same == len(exact[digits]) == len(moved):
                 break
         certain = min(certain, same)
-        for total, before, after in zip(totals, exact[digits][:same], moved, strict=False):
-            total[0] += relative_error(after.t, before.t) / float(step)
-            total[1] += relative_error(after.x, before.x) / float(step)
-    return [max(total) for total in totals[:certain]] + [inf] * (len(totals) - certain)
+        for i, before, after in zip(range(count), exact[digits][:same], moved, strict=False):
+            totals_t[i] += relative_error(after.t, before.t) / float(step)
+            totals_x[i] += relative_error(after.x, before.x) / float(step)
+    larger = [max(totals_t[i], totals_x[i]) for i in range(certain)]
+    return larger + [inf] * (count - certain)
 
 
 def relative_error(value: Number, exact: Number, start: Number = 0) -> float:

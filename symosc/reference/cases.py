@@ -277,14 +277,14 @@ def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, s
 
 
 def _short_contact_cases() -> Iterator[ReferenceCase]:
+    """Yield motions of fig5 that start with a stick or a flight that is over almost at once."""
     p = load_scene("fig5").parameters
-    weak = p.replace(
-        mu1="1e-9"
-    )  # F^(1) - F^(2) is 2e-8 on belt 1: a stick ends below or above it at once
+    # F^(1) - F^(2) is 2e-8 on belt 1: a stick ends below or above it at once.
+    weak = p.replace(mu1="1e-9")
     # Name, parameters, start, and whether it is quick.
     rows: list[tuple[str, Parameters, Start, bool]] = []
-    for height, where in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
-        name = f"stick: force {height.lstrip('-')} {where} 0"
+    for height, side in (("-1e-6", "below"), ("-1e-12", "below"), ("1e-12", "above")):
+        name = f"stick: force {height.lstrip('-')} {side} 0"
         rows.append((name, p, start_before_a_dip(p, height, "2.5"), True))
     for force in ("1e-7", "1e-9"):
         quick = force == "1e-7"
@@ -292,17 +292,21 @@ def _short_contact_cases() -> Iterator[ReferenceCase]:
             (f"flight from F = {force}", p, start_with_force(p, 1, 1, "5", f"-{force}"), quick)
         )
         rows.append((f"stick from F = {force}", p, start_with_force(p, 1, 1, "1", force), quick))
-    for t0, where in (("1", "below"), ("4", "above")):
+    for t0, side in (("1", "below"), ("4", "above")):
         start = start_with_force(weak, 1, 1, t0, "1e-8")
-        rows.append((f"forces 2e-8 apart, ends {where}", weak, start, where == "above"))
-    for name, own, begin, quick in rows:
-        yield _hard("short stick or flight", name, _scene(own, begin, "12"), quick)
+        rows.append((f"forces 2e-8 apart, ends {side}", weak, start, side == "above"))
+    for name, parameters, start, quick in rows:
+        yield _hard("short stick or flight", name, _scene(parameters, start, "12"), quick)
     yield _hard(
         "short stick or flight", "fig7-corrected as printed", load_scene("fig7-corrected"), True
     )
 
 
 def _changed_scenes() -> Iterator[ReferenceCase]:
+    """Yield the paper's scenes with one number so changed that solvers are in trouble.
+
+    The last argument of each case says whether it is in the quick selection.
+    """
     for periods, end in ((2, 9), (5, 18), (10, 34)):
         scene = replace(load_scene("fig8"), t_end=Fraction(end))
         yield _hard("fig8's sticks", f"{periods} periods of the drive", scene, periods == 5)
@@ -314,7 +318,7 @@ def _changed_scenes() -> Iterator[ReferenceCase]:
                 "near-critical damping",
                 f"k = c^2/4m (1 {sign} {small})",
                 scene,
-                sign + small == "+1e-14",
+                (sign, small) == ("+", "1e-14"),
             )
     yield _hard("near-critical damping", "k = c^2/4m", _scene("fig5", FIG5, "25", k=quarter), True)
     for c in ("1e-2", "1e-7", "1e-12", "0"):
@@ -395,9 +399,8 @@ def grazes() -> Iterator[ReferenceCase]:
             t0 = Fraction(t_m) - BEFORE
             # Half of the digits remain at the graze, where the gap is a square.
             start = grazing_start(p, mapping, t_m=t_m, t0=t0, digits=95).start
-            error = (
-                5 * start["start_error"][2]
-            )  # the exact v0 is within so many units of the last digit
+            _, _, last_digit = start["start_error"]  # a unit of v0's
+            error = 5 * last_digit  # the exact v0 is within so many units of the last digit
             name = f"graze-{regime.replace(' ', '-')}-{mapping}"
             scene = Scene(name, p, t_end=t0 + FOLLOWED, **start | {"start_error": (0, 0, error)})
             hard = (
@@ -439,9 +442,8 @@ def _creeping_cases() -> Iterator[ReferenceCase]:
     """
     # With decay rates r1 <= r2 the gap g = -v closes only if u = g' + r2 g < 0 at the start: at the
     # time log(1 + (r2 - r1) g/|u|)/(r2 - r1), or g/|u| if the two rates are equal.
-    for number, push in enumerate(
-        ("-1e-1", "-1e-9", "0", "1e-9"), 1
-    ):  # late, very late, just not, not
+    pushes = ("-1e-1", "-1e-9", "0", "1e-9")  # it meets the belt late, very late, just not, not
+    for number, push in enumerate(pushes, 1):
         for roots, (r1, r2) in (("two-roots", (1, 3)), ("one-root", (2, 2))):
             u = Fraction(push)
             if r1 == r2 and -u < Fraction(1, 1000) and u < 0:
@@ -498,6 +500,7 @@ def _limit_speed_cases() -> Iterator[ReferenceCase]:
 
 
 def _belt_start_cases() -> Iterator[ReferenceCase]:
+    """Yield motions that start on a belt: rests, rests on the edge of friction, and a settling."""
     p = Parameters(m=1, c=1, k=1, A0=0, B0="1/10", Omega=1, v1=0, v2=10, mu1=1, mu2="1/10", FN=1)
     for number, x0 in enumerate((0, "1/2", "-3/5", "-4/5", 1), 1):
         hard = "rest on a belt: nothing may happen, for ever"
@@ -548,7 +551,8 @@ def _slide_cases() -> Iterator[ReferenceCase]:
         p = wall(F, Omega, c)
         orbit = find_orbit(p, "P32", guess=find_orbit(p, "P32"), digits=ORBIT_DIGITS)
         context = mp_context(ORBIT_DIGITS)
-        t0, x0 = (Fraction(context.nstr(value, ORBIT_DIGITS)) for value in orbit.points[0][:2])
+        first = orbit.points[0]
+        t0, x0 = (Fraction(context.nstr(value, ORBIT_DIGITS)) for value in (first.t, first.x))
         cycles = 4
         period = 2 * pi / float(p.Omega)
         closed = [
@@ -619,18 +623,19 @@ def _decay_cases() -> Iterator[ReferenceCase]:
     point within F/k.
     """
     for number, (x0, F) in enumerate((("10", "0.3"), ("1", "0.07"), ("100", "0.9")), 1):
-        last = next(
+        stop = next(
             i for i in range(1000) if abs(Fraction(x0) - 2 * i * Fraction(F)) <= Fraction(F)
         )
-        closed = [f"t[{i}] = {i + 1}*pi" for i in range(last)]
+        closed = [f"t[{i}] = {i + 1}*pi" for i in range(stop)]
         closed += [
-            f"x[{i}] = {minus_if(i % 2 == 0)}({x0} - {2 * (i + 1)}*{F})" for i in range(last)
+            f"x[{i}] = {minus_if(i % 2 == 0)}({x0} - {2 * (i + 1)}*{F})" for i in range(stop)
         ]
         hard = (
             "free decay: all turning points are on the belt at rest, and the last one is a stop "
             "for ever"
         )
-        scene = _scene(wall(F, 1, P=0), (0, x0, 0), int(pi * last) + 20, f"free-decay-{number}")
+        t_end = int(pi * stop) + 20
+        scene = _scene(wall(F, 1, P=0), (0, x0, 0), t_end, f"free-decay-{number}")
         yield _case(COULOMB, scene, hard, BALANCE, closed)
 
 
@@ -668,6 +673,7 @@ def continuum() -> Iterator[ReferenceCase]:
 
 
 def _long_run_cases() -> Iterator[ReferenceCase]:
+    """Yield motions of two or three hundred events, in which errors may add up."""
     for base, periods, hard in (
         ("fig9-orbit", 150, "300 crossings of one belt on an orbit without sticks"),
         ("fig10", 75, "300 sticks and slips at two belts"),

@@ -77,18 +77,18 @@ def write_cases(
     """Write cases into a folder, all or nothing; the same cases give the same bytes."""
     # `path` is a new folder, or one of an earlier run without other files in it, or an OutputError
     # is raised. `progress` is called with how many cases more are done.
-    wanted = reference_cases() if cases is None else cases
+    written_cases = reference_cases() if cases is None else cases
     check_folder(path, _files_of_earlier_run)  # before the work
     texts = {}
     rows = []
     with ExitStack() as stack:
-        if len(wanted) > CASES_IN_LINE and workers > 1:
+        if len(written_cases) > CASES_IN_LINE and workers > 1:
             pool = stack.enter_context(process_pool(workers, "spawn"))
-            written = pool.map(_case_files, wanted)
+            answers = pool.map(_case_files, written_cases)
         else:
-            written = map(_case_files, wanted)
-        for of_case, row in written:
-            texts.update(of_case)
+            answers = map(_case_files, written_cases)
+        for case_texts, row in answers:
+            texts.update(case_texts)
             rows.append(row)
             if progress:
                 progress(1)
@@ -157,7 +157,7 @@ def _csv_text(columns: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 def _case_toml(case: ReferenceCase) -> str:
     """Return the text of a case's TOML file, which is a scene file as well."""
     # JSON writes text, numbers and lists as TOML does.
-    start: Record = {name: exact_text(getattr(case, name)) for name in START_AND_END[:3]}
+    start: Record = {name: exact_text(getattr(case, name)) for name in ("t0", "x0", "v0")}
     if case.scene.start_error is not None:
         start["start_error"] = [show(error) for error in case.scene.start_error]
     about: Record = {
@@ -304,6 +304,8 @@ def _read_manifest(folder: Path) -> Record:
 
 
 def _read_case(folder: Path, name: str, sums: Record) -> ReferenceCase:
+    """Return the case `name` as its files in `folder` have it, whose checksums are in `sums`."""
+
     def read(file: str) -> str:
         path = folder / name / file
         try:
@@ -318,21 +320,23 @@ def _read_case(folder: Path, name: str, sums: Record) -> ReferenceCase:
     rows = list(csv.DictReader(io.StringIO(read(EVENTS_FILE))))
     events = []
     for row in rows:
-        enclosed = (row["t_low"], row["t_high"]), (row["x_low"], row["x_high"])
-        events.append(
-            KnownEvent(
-                *enclosed,
-                row["kind"],
-                int(row["boundary"]),
-                *(row[key] for key in EVENT_COLUMNS[6:9]),
-            )
+        event = KnownEvent(
+            t=(row["t_low"], row["t_high"]),
+            x=(row["x_low"], row["x_high"]),
+            kind=row["kind"],
+            boundary=int(row["boundary"]),
+            source=row["source"],
+            target=row["target"],
+            word=row["word"],
         )
+        events.append(event)
     changes: list[dict[str, KnownChange]] = [{} for _ in rows]
     if f"{name}/{CHANGES_FILE}" in sums:  # older sets have none
-        for event, wrt, *bounds, proven in list(csv.reader(io.StringIO(read(CHANGES_FILE))))[1:]:
-            changes[int(event)][wrt] = KnownChange(
-                (bounds[0], bounds[1]), (bounds[2], bounds[3]), proven == "yes"
-            )
+        _, *lines = csv.reader(io.StringIO(read(CHANGES_FILE)))
+        for number, wrt, dt_low, dt_high, dx_low, dx_high, proven in lines:
+            dt = (dt_low, dt_high)
+            dx = (dx_low, dx_high)
+            changes[int(number)][wrt] = KnownChange(dt, dx, proven == "yes")
     scene = Scene(name, Parameters(**about["parameters"]), **about["start"], t_end=about["t_end"])
     case = ReferenceCase(
         name, scene=scene, **{key: about["reference"][key] for key in ("group", "hard", "periods")}

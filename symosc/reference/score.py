@@ -293,6 +293,7 @@ class _Judge:
         """Return which events are lost and which are extra if a graze may be left out, or stand as
         two contacts.
         """
+        # At a graze an error e of the gap moves contacts by about sqrt(e).
         reach = sqrt(self.tolerance) / float(self.case.parameters.Omega)
         for i in lost:
             graze = self.known[i]
@@ -339,6 +340,7 @@ class _Judge:
             errors = [(error_t, sqrt(self.tolerance))]
         else:
             unit = max(1.0, self.case.conditions[i]) * ROUNDING_UNIT
+            # A time far from 0 is rounded by more than its condition says: by its own size.
             unit_of_clock = ROUNDING_UNIT * float(abs(t)) / max(1.0, float(t - self.case.t0))
             unit_t = max(unit, unit_of_clock)
             errors = [(error_t, self._allowed(unit_t))]
@@ -371,12 +373,16 @@ class _Judge:
         if condition == inf:
             return
         judged = self.judged
-        x = float(self.case.events[i].middle[1])
+        _, x_middle = self.case.events[i].middle
+        x = float(x_middle)
         allowed = self._allowed(ROUNDING_UNIT * max(1.0, condition) ** 2)
         worst = (0.0, "")
         for name, change in self.case.derivatives[i].items():
-            dt = float(change.dt[0])
-            dx = float(change.dx[0])
+            # The ends of an enclosure are much closer to each other than what is allowed.
+            dt_low, _ = change.dt
+            dx_low, _ = change.dx
+            dt = float(dt_low)
+            dx = float(dx_low)
             scale_t = max(1.0, abs(dt))
             scale_x = max(scale_t, abs(dx), abs(x))
             for coordinate, exact, scale in (("t", dt, scale_t), ("x", dx, scale_x)):

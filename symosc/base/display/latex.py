@@ -43,7 +43,7 @@ def latex_text(text: str) -> str:
         number = ord(sign[0])
         if number < 128:
             return rf"\symbol{{{number}}}"
-        escape = sign[0].encode("ascii", "backslashreplace").decode("ascii")[1:]
+        escape = sign[0].encode("ascii", "backslashreplace").decode("ascii").removeprefix("\\")
         return rf"\letter{{{number}}}{{{escape}}}"
 
     return _NO_PLAIN_LETTER.sub(plain, brief(text).replace("…", "..."))

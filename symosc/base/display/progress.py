@@ -95,6 +95,13 @@ def late_bar(progress: Progress, label: str, unit: str) -> Iterator[Advance]:
             yield lambda part, count: show(part, 1.0, count)
 
 
+def _rate_text(count: float, seconds: float) -> str:
+    """Return `count` per second as text, with two digits at least."""
+    if count >= 10 * seconds:
+        return f"{count / seconds:,.0f}"
+    return f"{count / seconds:.2g}"
+
+
 @contextmanager
 def _bar_drawer(
     label: str, unit: str, total: float = 1.0, there: float = 0.0, counted: bool = False
@@ -146,23 +153,15 @@ def _bar_drawer(
                 shown.add_task(label, total=total, pace="")
             drawn = now
             seconds = now - since
-            gained = done - there
             pace = ""
             if seconds > 0:  # not where work has just begun anew
-                if count >= 10 * seconds:
-                    rate = f"{count / seconds:,.0f}"
-                else:
-                    rate = f"{count / seconds:.2g}"
+                gained = done - there
+                left: timedelta | str = "?"
                 if gained > 0:
-                    left: timedelta | str = timedelta(
-                        seconds=round(seconds * (total - done) / gained)
-                    )
-                else:
-                    left = "?"
+                    left = timedelta(seconds=round(seconds * (total - done) / gained))
+                pace = f"{left} left"
                 if unit:
-                    pace = f"{rate} {unit}/s, {left} left"
-                else:
-                    pace = f"{left} left"
+                    pace = f"{_rate_text(count, seconds)} {unit}/s, {pace}"
             shown.update(0, completed=done, total=total, pace=pace, refresh=True)
 
         yield show
