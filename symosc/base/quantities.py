@@ -103,10 +103,13 @@ def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
         text = str(value)
     else:
         text = value
-    if not isinstance(text, str):
+    # `read_exact` refuses what is not finite.
+    if (
+        not isinstance(text, str)
+        or NUMBER.fullmatch(text.strip())
+        or NOT_FINITE.fullmatch(text.strip())
+    ):
         return read_exact(name, text), True
-    if NUMBER.fullmatch(text.strip()) or NOT_FINITE.fullmatch(text.strip()):
-        return read_exact(name, text), True  # which refuses what is not finite
     if is_quantity(text):
         return read_quantity(name, text)
     return read_expression(name, text)

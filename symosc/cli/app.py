@@ -93,12 +93,11 @@ class CommandLine(click.Group):
         """Return the name, the command and the other arguments from `args`; for a wrong name
         suggest a right one.
         """
-        if (
-            not ctx.resilient_parsing
-            and self.get_command(ctx, args[0]) is None
-            and not args[0].startswith("-")
-        ):
-            ctx.fail(f"No such command {args[0]!r}{meant(args[0], COMMANDS)}")
+        name, *_ = args
+        is_option = name.startswith("-")
+        # Parsing is resilient for shell completion, where names are unfinished.
+        if not ctx.resilient_parsing and not is_option and self.get_command(ctx, name) is None:
+            ctx.fail(f"No such command {name!r}{meant(name, COMMANDS)}")
         return super().resolve_command(ctx, args)
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:

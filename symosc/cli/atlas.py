@@ -37,12 +37,11 @@ def atlas(
       symosc atlas fig9 --over Omega=3.9:4.1 --over FN=9.5:10.5 --prove 0.9 -o plane.json
     """
     spans = [options.read_span(side, "--over") for side in over]
-    options.refuse(
-        (len(dict(spans)) != 2 or len(spans) != 2, "give --over twice, with two parameters")
-    )
-    plane = symosc.atlas(
-        options.scene_with(scene, settings), dict(spans), **limits, path=path, progress=True
-    )
+    ranges = dict(spans)
+    are_two = len(spans) == 2 and len(ranges) == 2
+    options.refuse((not are_two, "give --over twice, with two parameters"))
+    problem = options.scene_with(scene, settings)
+    plane = symosc.atlas(problem, ranges, **limits, path=path, progress=True)
     output.draw(plot, plane.plot)
     output.report(plane.statement, lambda: _print_atlas(plane, path, plot))
 

@@ -56,8 +56,9 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text) ->
     from symosc.bench import results
 
     if scores is not None:
-        with_more = quick or hard or output.prints_json() or (picture, readme) != (None, None)
-        options.refuse((with_more, "--scores is a run of its own: leave out the other options"))
+        writes_more = picture is not None or readme is not None
+        is_alone = not (quick or hard or output.prints_json() or writes_more)
+        options.refuse((not is_alone, "--scores is a run of its own: leave out the other options"))
         return _score(scores)
     if readme is None:
         result = _measured(quick, hard)
@@ -74,9 +75,9 @@ def bench(quick: bool, hard: bool, picture: Text, readme: Text, scores: Text) ->
             output.write(_tables(result))
         output.name_files(*written)
 
-    judged = result.keys() & {"hard", "scores"}
+    judged_parts = result.keys() & {"hard", "scores"}
     output.report(lambda: _plain(result), show)
-    if all(result[key]["ok"] for key in judged):
+    if all(result[part]["ok"] for part in judged_parts):
         return 0
     return output.FAILED
 

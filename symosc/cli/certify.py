@@ -53,9 +53,9 @@ def certify(
     """
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
-    if any(map(subject_options.get, ("word", "span", "mapping"))) and (
-        t_end or subject_options["start_error"] or subject_options["wrt"]
-    ):
+    is_no_motion = any(subject_options[name] for name in ("word", "span", "mapping"))
+    is_for_motion = t_end or subject_options["start_error"] or subject_options["wrt"]
+    if is_no_motion and is_for_motion:
         raise click.UsageError(
             "--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window"
         )
@@ -94,13 +94,14 @@ def _proof(
     if span is None:
         return symosc.certify(orbit)
     name, limits = options.read_span(span, "--branch")
-    return symosc.certify(
-        symosc.continue_orbit(orbit.parameters, orbit.word, name, limits, orbit), progress=True
-    )
+    branch = symosc.continue_orbit(orbit.parameters, orbit.word, name, limits, orbit)
+    return symosc.certify(branch, progress=True)
 
 
 def _print_certificate(certificate: symosc.Certificate) -> None:
-    # The events of a branch have no times and positions: these depend on the parameter.
+    """Print tables of events and derivatives, the multipliers, and what is proven."""
+    # An event is its kind, the modes before and after it and, unless it is one of a branch, bounds
+    # of time and position: on a branch these depend on the parameter.
     timed = [event for event in certificate.events if len(event) > 3]
     if timed:
         rows = [
@@ -113,9 +114,9 @@ def _print_certificate(certificate: symosc.Certificate) -> None:
         rows = [
             [common_digits(*bounds) for bounds in (*dt, *dx)] for dt, dx in certificate.derivatives
         ]
-        output.write_table(
-            rows, [f"d{of}/d{name}" for of in "tx" for name in certificate.statement["wrt"]]
-        )
+        names = certificate.statement["wrt"]
+        heads = [f"d{coordinate}/d{name}" for coordinate in "tx" for name in names]
+        output.write_table(rows, heads)
         output.write("")
     for i, multiplier in enumerate(certificate.multipliers, 1):
         output.write(f"multiplier {i}: {common_complex(*multiplier)}")
@@ -143,8 +144,10 @@ def verify(file: str, **limits: int | None) -> int:
         from symosc.certificates import verify_orbits
     except ImportError:
         raise MissingExtraError("verify", "certify") from None
-    code, answer = verify_orbits.verify(
-        file, **{name: most for name, most in limits.items() if most is not None}
-    )
-    (output.complain if code else output.write)(answer)
+    given_limits = {name: limit for name, limit in limits.items() if limit is not None}
+    code, answer = verify_orbits.verify(file, **given_limits)
+    if code:
+        output.complain(answer)
+    else:
+        output.write(answer)
     return code

@@ -88,9 +88,9 @@ def check(
     if report is not None and not report.lower().endswith((".html", ".htm")):
         reason = f"{report!r}: a page's name must end in .html"
         raise click.BadParameter(reason, param_hint="--report")
-    least = 1 if solver else 2
-    if case is None and scene is None and len(files) >= least:
-        scene, *files = files  # the first word is the scene
+    least_words = 1 if solver else 2  # SCENE, or SCENE FILE
+    if case is None and scene is None and len(files) >= least_words:
+        scene, *files = files
     lacks_scene = "give SCENE FILE, FILE --scene SCENE, or FILE --case NAME"
     options.refuse(
         (case is not None and scene is not None, "give --scene or --case, not both"),
@@ -155,19 +155,18 @@ def cases(folder: Text, group: Text, events: bool) -> None:
     from symosc.reference.cases import chosen
     from symosc.reference.folder import write_cases
 
-    wanted = chosen(group)
+    in_group = chosen(group)
+    total = len(in_group)
     if folder is not None:
-        written = count(1)
+        counter = count(1)
         folder = options.folder_name(folder)
-        with bar("cases", len(wanted), "cases") as progress:
-            path = write_cases(
-                folder, wanted, progress=lambda _: progress(next(written), len(wanted))
-            )
-        text = f"wrote {len(wanted)} cases into {click.format_filename(path)}"
-        data = {"folder": str(path), "cases": [case.name for case in wanted]}
+        with bar("cases", total, "cases") as progress:
+            path = write_cases(folder, in_group, progress=lambda _: progress(next(counter), total))
+        text = f"wrote {total} cases into {click.format_filename(path)}"
+        data = {"folder": str(path), "cases": [case.name for case in in_group]}
         output.report(lambda: data, lambda: output.write(text))
         return
-    listed = [case_row(case, events) for case in wanted]
+    listed = [case_row(case, events) for case in in_group]
 
     def show() -> None:
         heads = [name for name in listed[0] if name != "hard"]
@@ -222,9 +221,10 @@ def score(folder: str, results: tuple[str, ...], tolerance: Text, plot: Text) ->
     limit = SCORE_TOLERANCE if tolerance is None else read_tolerance(tolerance)
     version, cases = read_set(folder)
     names = {case.name for case in cases}
-    short = [Path(path).stem or path for path in results]
+    # A solver is called by the name of its file, or by the whole path where two have that name.
+    stems = [Path(path).stem or path for path in results]
     titles = [
-        name if short.count(name) == 1 else path for name, path in zip(short, results, strict=True)
+        stem if stems.count(stem) == 1 else path for stem, path in zip(stems, results, strict=True)
     ]
     scores = [
         judge(title, cases, read_results(path, names), limit)

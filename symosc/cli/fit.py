@@ -61,7 +61,10 @@ def fit(
         widths: list[str] | str | None = sigma.split(",")
     else:
         widths = sigma
-    firsts = dict(setting.partition("=")[::2] for setting in start)
+    first_values = {}
+    for setting in start:
+        name, _, value = setting.partition("=")
+        first_values[name] = value
     names_of_columns = options.split_columns(columns, ("t", "kind", "x", "v"))
     try:
         result = fit_parameters(
@@ -69,12 +72,14 @@ def fit(
             file,
             names,
             sigma=widths,
-            start=firsts,
+            start=first_values,
             robust=robust,
             columns=names_of_columns,
         )
     except ParameterError as error:
-        if error.name.partition("[")[0] not in ("data", "t", "kind", "x", "v"):
+        # A fault in the file; its name may be that of a cell, such as "t[3]".
+        argument, _, _ = error.name.partition("[")
+        if argument not in ("data", "t", "kind", "x", "v"):
             raise
         raise click.BadParameter(f"{file}: {error}", param_hint="FILE") from None
     output.draw(plot, result.plot)

@@ -149,6 +149,7 @@ def grazing(
 
 
 def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], latex: bool) -> None:
+    """Print windows as a table with notes, or as LaTeX, and the reports of `--check`."""
     from symosc.grazing.window import critical_text, phases_text
 
     if latex:
@@ -266,7 +267,7 @@ def _solve(
     if len(parameter_names) == 2:
         question: Any = parameter_names
     else:
-        question = parameter_names[0]
+        (question,) = parameter_names
     answers: list[Any] = []
     with late_bar(True, "solve", "maps") as advance:
         for count, mapping in enumerate(mappings, start=1):

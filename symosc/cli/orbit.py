@@ -139,6 +139,8 @@ def _orbit_data(
 def _report_text(
     scene: symosc.Scene, orbit: symosc.PeriodicOrbit, branch: symosc.Branch | None
 ) -> str:
+    """Return the switching points, multipliers and ends of an orbit (and its branch) as text."""
+
     def decimal(value: Any) -> str:
         if orbit.digits is None:
             return output.FLOAT_FORMAT.format(value)
@@ -146,12 +148,11 @@ def _report_text(
 
     rows = []
     for piece, (t, x) in zip(orbit.equations().pieces, orbit.points, strict=True):
-        moves = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
         if piece.sticks:
-            does = f"sticks to belt {piece.start}"
+            action = f"sticks to belt {piece.start}"
         else:
-            does = moves
-        rows.append([decimal(t), decimal(x), piece.label, does])
+            action = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
+        rows.append([decimal(t), decimal(x), piece.label, action])
     sizes = ", ".join(_complex(value) for value in orbit.multipliers)
     lines = [
         output.plain_table(["t", "x", "map", "from here it"], rows),

@@ -50,7 +50,7 @@ def claim_stdout(context: click.Context, option: click.Parameter, value: Any) ->
         printing = context.meta.setdefault(_PRINTING, {})
         printing[option.name] = option
         files = [printer for printer in printing.values() if not getattr(printer, "is_flag", False)]
-        if files and len(printing) > 1:
+        if files and len(printing) > 1:  # flags alone print one thing after the other
             reason = "'-' is standard output, and something else prints there already; name a file"
             raise click.BadParameter(reason, param_hint=max(files[0].opts, key=len))
     return value
@@ -167,17 +167,17 @@ def plain_table(
     columns = []
     for i, head in enumerate(heads):
         cells = [row[i].strip() for row in rows]
-        if aligned := head in decimals:
-            decimals_of = [_behind_point(cell) for cell in cells]
+        is_aligned = head in decimals
+        if is_aligned:
+            counts = [_behind_point(cell) for cell in cells]
             cells = [
-                cell + " " * (max(decimals_of) - count)
-                for cell, count in zip(cells, decimals_of, strict=True)
+                cell + " " * (max(counts) - count)
+                for cell, count in zip(cells, counts, strict=True)
             ]
         width = max([len(head) + 2, *map(len, cells)])
-        columns.append(
-            [cell.rjust(width) if aligned else cell.ljust(width) for cell in (head, *cells)]
-        )
-        columns[-1].insert(1, "-" * width)
+        column = [cell.rjust(width) if is_aligned else cell.ljust(width) for cell in (head, *cells)]
+        column.insert(1, "-" * width)  # under the head
+        columns.append(column)
     return "\n".join("  ".join(line).rstrip() for line in zip(*columns, strict=True))
 
 

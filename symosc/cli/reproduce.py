@@ -73,19 +73,22 @@ def carry_out(plan: Plan, folder: Path, as_json: bool = False, workers: int | No
 
 
 def _print_summary(results: Results, folder: Path) -> None:
+    """Print the verdicts as a table, what changed or failed, and the counts of everything."""
     from symosc.derive.errata import SEVERITIES
 
-    heads = ["claim", "source", "verdict", "changed"][: 4 if results.changed else 3]
-    rows = []
-    for judged in results.judged:
-        if judged in results.changed:
-            mark = f"committed: {judged.claim.verdict}"
-        else:
-            mark = ""
-        rows.append([judged.claim.id, judged.claim.source, judged.verdict, mark][: len(heads)])
+    heads = ["claim", "source", "verdict"]
+    rows = [[judged.claim.id, judged.claim.source, judged.verdict] for judged in results.judged]
+    if results.changed:
+        heads.append("changed")
+        for row, judged in zip(rows, results.judged, strict=True):
+            if judged in results.changed:
+                row.append(f"committed: {judged.claim.verdict}")
+            else:
+                row.append("")
     output.write_table(rows, heads)
     counts = ", ".join(f"{count} {verdict}" for verdict, count in results.counts.items() if count)
-    steps = sum(done.value[0] for done in results.chapters.values() if done.value)
+    checked = [done.value for done in results.chapters.values() if done.value]
+    steps = sum(step_count for step_count, _ in checked)
     drawn = sum(done.value is not None for done in results.drawn.values())
     errata = Counter(
         erratum.severity for erratum in results.plan.errata if results.shown_by(erratum)

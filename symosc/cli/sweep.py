@@ -25,6 +25,8 @@ def _columns() -> list[str]:
     return list(SUMMARY_COLUMNS)
 
 
+#: How many different values of a column are printed with their shares.
+MOST_VALUES = 8
 AXES: Record = {
     "multiple": True,
     "shell_complete": options.complete(lambda: (*PARAMETER_NAMES, *START_NAMES[:3]), "="),
@@ -81,8 +83,8 @@ def sweep(
             axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over
         )
         over[name] = values
-    times = {name: run_options.pop(name) for name in ("t_end", "skip")}
-    times = {name: options.read_duration(name, text) for name, text in times.items() if text}
+    time_texts = {name: run_options.pop(name) for name in ("t_end", "skip")}
+    times = {name: options.read_duration(name, text) for name, text in time_texts.items() if text}
     request: Record = {"record": tuple(record.split(",")), **times, "path": path}
     if status:
         options.refuse((path is None, "--status tells about the file of -o; name it"))
@@ -148,16 +150,19 @@ def _summary(column: xarray.DataArray) -> Record:
 
 
 def _print_dataset(status: xarray.DataArray, columns: Record, *files: Text) -> None:
+    """Print the size of a sweep, a summary of each column, and the names of written files."""
     sizes = " × ".join(f"{name} ({size})" for name, size in status.sizes.items())
     output.write(f"{sizes}: {status.size:,} motions")
     for name, summary in columns.items():
         if "least" in summary and "largest" in summary:
             output.write(f"{name}: from {summary['least']:.6g} to {summary['largest']:.6g}")
             continue
-        shown = [
+        shares = [
             f"{value or 'no event'} {count / status.size:.1%}"
-            for value, count in list(summary.items())[:8]
+            for value, count in list(summary.items())[:MOST_VALUES]
         ]
-        more = len(summary) - len(shown)
-        output.write(f"{name}: {', '.join(shown)}{f', and {more} more' if more else ''}")
+        more = len(summary) - len(shares)
+        if more:
+            shares.append(f"and {more} more")
+        output.write(f"{name}: {', '.join(shares)}")
     output.name_files(*files)

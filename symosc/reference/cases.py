@@ -295,8 +295,8 @@ def _short_contact_cases() -> Iterator[ReferenceCase]:
     for t0, side in (("1", "below"), ("4", "above")):
         start = start_with_force(weak, 1, 1, t0, "1e-8")
         rows.append((f"forces 2e-8 apart, ends {side}", weak, start, side == "above"))
-    for name, parameters, start, quick in rows:
-        yield _hard("short stick or flight", name, _scene(parameters, start, "12"), quick)
+    for name, parameters, begin, quick in rows:
+        yield _hard("short stick or flight", name, _scene(parameters, begin, "12"), quick)
     yield _hard(
         "short stick or flight", "fig7-corrected as printed", load_scene("fig7-corrected"), True
     )

@@ -271,7 +271,8 @@ def function_source(kernel: Kernel) -> str:
     """Return the Python source of one kernel's function, with a final line break."""
     lines = list(_assignments(kernel))
     if len(lines) == 1:
-        lines = [("return ", lines[0][1])]
+        ((_, only_source),) = lines
+        lines = [("return ", only_source)]
     else:
         lines = [*lines, ("return ", ", ".join(kernel.returns))]
     arguments = ", ".join(kernel.arguments)
@@ -298,6 +299,8 @@ def _assignments(kernel: Kernel) -> Iterator[tuple[str, str]]:
     """Yield ("name = ", source) for each step and each common subexpression, each before its first
     use.
     """
+    # Arguments and steps become symbols of their own, so that no letter of the theory with the same
+    # name is taken for one.
     own = {meaning: sp.Dummy(name) for name, meaning in kernel.arguments.items()}
     steps: dict[str, Expr] = {}
     formulas = []
@@ -321,24 +324,24 @@ def _assignments(kernel: Kernel) -> Iterator[tuple[str, str]]:
     }
     common = {u: formula.xreplace(quotients) for u, formula in shared if u not in quotients}
     formulas = [formula.xreplace(quotients) for formula in formulas]
-    whole = dict(zip(formulas, steps, strict=True))  # a step may be a common subexpression itself
+    # The name of the step that a formula is: a step may be a common subexpression itself.
+    step_names = dict(zip(formulas, steps, strict=True))
+    inlined = common.keys() - step_names.keys()
     scratch = (f"u{n}" for n in itertools.count(1) if f"u{n}" not in {*kernel.arguments, *steps})
     names = {symbol: symbol.name for symbol in own.values()}
 
     def define(formula: Expr) -> Iterator[tuple[str, str]]:
+        """Yield the assignments of the common subexpressions in `formula` that have no name yet."""
         for symbol in (u for u in common if u in formula.free_symbols and u not in names):
             yield from define(common[symbol])
-            name = whole.get(symbol) or next(scratch)
-            yield (
-                f"{name} = ",
-                ArithmeticPrinter(names, common.keys() - whole.keys()).text(common[symbol]),
-            )
+            name = step_names.get(symbol) or next(scratch)
+            yield f"{name} = ", ArithmeticPrinter(names, inlined).text(common[symbol])
             names[symbol] = name
 
     for (name, step), formula in zip(steps.items(), formulas, strict=True):
         yield from define(formula)
-        if names.get(formula) != name:
-            yield f"{name} = ", ArithmeticPrinter(names, common.keys() - whole.keys()).text(formula)
+        if names.get(formula) != name:  # else `define` has just written it
+            yield f"{name} = ", ArithmeticPrinter(names, inlined).text(formula)
         names[step] = name
 
 
@@ -375,7 +378,9 @@ class ArithmeticPrinter:
                 numerators += [sp.Integer(base.p)] * (base.p != 1)
                 denominators += [sp.Integer(base.q)] * (base.q != 1)
             elif power.is_Integer and (base.is_Symbol or (base.is_Add and abs(power) == 1)):
-                (numerators if power > 0 else denominators).extend([base] * abs(int(power)))
+                # x**2 is written x * x; a sum would be computed twice.
+                side = numerators if power > 0 else denominators
+                side.extend([base] * abs(int(power)))
             else:
                 raise ValueError(
                     f"{factor} is no arithmetic of names: make it an argument or a step"

@@ -19,7 +19,7 @@ import keyword
 import re
 import sys
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from os.path import isdir, isfile
 from pathlib import Path
@@ -236,7 +236,7 @@ def _program(word: Word, arrays: bool) -> _Program:
         for module in (_generated, entire_array if arrays else entire, mapping)
     ]
     maps: list[str] = []
-    wanted: list[str] = []
+    roots: list[str] = []  # functions that the program has in any case
     for row, exit in zip(word.maps, word.exits(), strict=True):
         if row.sticks and exit is None:  # the word does not say: both
             exits: list[str | None] = ["below", "above"]
@@ -244,7 +244,7 @@ def _program(word: Word, arrays: bool) -> _Program:
             exits = [exit]
         for side in exits:
             label, source = _map_source(row, side, arrays)
-            wanted += [label, label + MATRIX]
+            roots += [label, label + MATRIX]
             sources.append(source)
             maps.append(label)
     if word.maps[-1].sticks and word.exits()[-1] is None:
@@ -259,35 +259,46 @@ def _program(word: Word, arrays: bool) -> _Program:
     functions: dict[str, ast.FunctionDef] = {}
 
     def add(name: str) -> None:
+        """Add a function of the library after those that it calls."""
         if name in library and name not in functions:
             for leaf in ast.walk(library[name]):
                 if isinstance(leaf, ast.Call) and isinstance(leaf.func, ast.Name):
                     add(leaf.func.id)
             functions[name] = library[name]
 
-    for label in wanted:
+    for label in roots:
         add(label)
     names = set().union(*map(_names, functions.values()))
-    leaves = [leaf for node in functions.values() for leaf in ast.walk(node)]
-    used = {
-        leaf.attr
-        for leaf in leaves
-        if isinstance(leaf, ast.Attribute) and ast.unparse(leaf.value) == "K"
-    }
+    constants = _constants_used(functions.values())
     thresholds = vars(entire) | vars(entire_array)
     numbers = {name: thresholds[name] for name in SETTINGS if name in names}
     steps = ast.parse(SETUP.replace("APART", repr(float(APART**2)))).body
     setup = {ast.unparse(node.targets[0]): node for node in steps if isinstance(node, ast.Assign)}
-    fields = [name for name in (*setup, "v1", "v2") if name in used]
-    _check_complete(functions, {*numbers, *LIBRARY}, used - set(fields))
+    fields = [name for name in (*setup, "v1", "v2") if name in constants]
+    _check_complete(functions, {*numbers, *LIBRARY}, constants - set(fields))
     needed = set(fields)
-    kept = list[ast.Assign]()
+    needed_steps = list[ast.Assign]()
     # Backwards: a step is needed by those after it.
     for name, step in reversed(setup.items()):
         if name in needed:
-            kept.insert(0, step)
+            needed_steps.insert(0, step)
             needed |= _names(step.value)
-    return _Program(word, functions, maps, kept, fields, numbers, arrays)
+    return _Program(
+        word,
+        functions,
+        maps,
+        setup=needed_steps,
+        fields=fields,
+        numbers=numbers,
+        arrays=arrays,
+    )
+
+
+def _constants_used(functions: Iterable[ast.FunctionDef]) -> set[str]:
+    """Return the names of the constants that functions read as attributes of K."""
+    leaves = [leaf for node in functions for leaf in ast.walk(node)]
+    attributes = [leaf for leaf in leaves if isinstance(leaf, ast.Attribute)]
+    return {leaf.attr for leaf in attributes if ast.unparse(leaf.value) == "K"}
 
 
 def _check_complete(
@@ -392,6 +403,8 @@ class _C(ast.NodeTransformer):
         self.base = name
         self.current = ""
         self.count = 0
+        # How many numbers each function returns. A function that returns a call returns as many as
+        # the called one, which comes before it.
         self.returns: dict[str, int] = {}
         for name, node in functions.items():
             value = next(leaf.value for leaf in ast.walk(node) if isinstance(leaf, ast.Return))
@@ -477,8 +490,11 @@ class _C(ast.NodeTransformer):
             f"const {self.base}_constants *K" if name == "K" else f"double {name}" for name in names
         ]
         if count > 1:
-            two_rows = re.fullmatch(rf"P\d\w*{MATRIX}", node.name)
-            arguments.append(f"double out[2][{count // 2}]" if two_rows else f"double out[{count}]")
+            is_jacobian = re.fullmatch(rf"P\d\w*{MATRIX}", node.name)  # a row for each of f1, f2
+            if is_jacobian:
+                arguments.append(f"double out[2][{count // 2}]")
+            else:
+                arguments.append(f"double out[{count}]")
         if _is_map(node.name):
             prefix = f"{self.base}_"
         else:
@@ -490,7 +506,7 @@ class _C(ast.NodeTransformer):
         self.current = node.name
         self.count = 0
         body = list(self.block(node.body))
-        if body[-1] == "return;":
+        if body[-1] == "return;":  # C needs none at the end
             body.pop()
         summary = _first_paragraph(node)
         lines = [f" * {line}" for line in textwrap.wrap(summary, EXPORT_WIDTH - 3)]
@@ -500,11 +516,10 @@ class _C(ast.NodeTransformer):
             lines = ["/*", *lines, " */"]
         lines += [f"{'' if _is_map(node.name) else 'static '}{self.head(node)}", "{"]
         types: dict[str, str] = {}  # of the local variables: "int" for a flag
-        for leaf in (
-            statement for statement in ast.walk(node) if isinstance(statement, ast.Assign)
-        ):
-            target = leaf.targets[0]
-            match leaf.value:
+        assignments = [leaf for leaf in ast.walk(node) if isinstance(leaf, ast.Assign)]
+        for assignment in assignments:
+            (target,) = assignment.targets
+            match assignment.value:
                 case ast.Compare() | ast.BoolOp() | ast.Constant(bool()):
                     kind = "int"
                 case _:
@@ -539,9 +554,11 @@ class _C(ast.NodeTransformer):
             yield from (f"{name} = {results}[{n}];" for n, name in enumerate(names) if name != "_")
             return
         assert isinstance(value, ast.Tuple)
-        if any(
+        # Whether a value uses a name that would already have been assigned.
+        uses_earlier = any(
             name in _names(later) for n, name in enumerate(names) for later in value.elts[n + 1 :]
-        ):
+        )
+        if uses_earlier:
             yield "{"
             yield from (
                 f"    const double next{n} = {self.expression(part)};"
@@ -627,6 +644,7 @@ def _python(program: _Program) -> str:
     K = f"    K = constants({', '.join(f'{name}={value!r}' for name, value in p.items())})\n"
     calls = program.calls()
     count = len(program.maps)
+    # Of residual and Jacobian: their shapes, notes on them, and the bodies of the functions.
     shapes = f"({2 * count})", f"({count}, 2, 4)"
     rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
     blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
@@ -644,12 +662,17 @@ def _python(program: _Program) -> str:
         shape_notes = ["", ""]
         last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
         bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
-    first = "f1, f2 of each map"
-    second = f"the {'' if program.arrays else '2 x 4 '}derivatives of f1, f2 of each map"
+    residual_body, jacobian_body = bodies
+    residual_note, jacobian_note = shape_notes
+    residual_doc = f"Return f1, f2 of each map, in order of time{residual_note}."
+    size = "" if program.arrays else "2 x 4 "
+    jacobian_doc = (
+        f"Return the {size}derivatives of f1, f2 of each map, in order of time{jacobian_note}."
+    )
     parts += [
         *map(ast.unparse, program.functions.values()),
-        f'def residual(z, K):\n    """Return {first}, in order of time{shape_notes[0]}."""\n{bodies[0]}',
-        f'def jacobian(z, K):\n    """Return {second}, in order of time{shape_notes[1]}."""\n{bodies[1]}',
+        f'def residual(z, K):\n    """{residual_doc}"""\n{residual_body}',
+        f'def jacobian(z, K):\n    """{jacobian_doc}"""\n{jacobian_body}',
         f"""\
 if __name__ == "__main__":
     z = {z}

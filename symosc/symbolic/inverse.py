@@ -91,8 +91,9 @@ class PhaseInterval(NamedTuple):
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
             # Three phases inside, which are not all extreme.
-            inside = (self.low + (self.high - self.low) / parts for parts in (2, 3, 5))
-            sines = [sp.sin(self._extreme(sign)[0]) for sign in (-1, 1)]
+            inside = (self.low + (self.high - self.low) / divisor for divisor in (2, 3, 5))
+            both_extremes = [self._extreme(sign) for sign in (-1, 1)]
+            sines = [sp.sin(theta) for theta, _ in both_extremes]
             between = next(
                 theta for theta in inside if all(sign_of(sp.sin(theta) - sine) for sine in sines)
             )
@@ -584,28 +585,28 @@ def values_everything(
 
 
 def _read_names(mapping: str, names_given: Any, p: Any) -> tuple[str, ...]:
-    """Check the parameter names `given` and return them, the belt's speed as "v" if p is None, else
-    "v1" or "v2".
+    """Check the parameter names `names_given` and return them, the belt's speed as "v" if p is
+    None, else "v1" or "v2".
     """
     belt = f"v{place(mapping).boundary}"
     if isinstance(names_given, tuple | list):
-        asked = tuple(names_given)
+        given_row = tuple(names_given)
     else:
-        asked = (names_given,)
+        given_row = (names_given,)
     if p is None:
         belt_name = "v"
     else:
         belt_name = belt
     names = tuple(
         belt_name if isinstance(name, str) and name in (belt, "v_lambda") else name
-        for name in asked
+        for name in given_row
     )
-    for name, asked_name in zip(names, asked, strict=True):
+    for name, name_given in zip(names, given_row, strict=True):
         if not isinstance(name, str) or name not in ("Omega", "B0", "k", belt_name):
             allowed = (
                 f"the window of {mapping} depends on Omega, B0, k and {belt} (or v_lambda) only"
             )
-            raise ParameterError("name", asked_name, allowed)
+            raise ParameterError("name", name_given, allowed)
     if len(names) not in (1, 2) or len(set(names)) < len(names):
         raise ParameterError(
             "name", names_given, "give one parameter, or a pair of two different ones"
@@ -630,31 +631,34 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
             for parameter in ("k", "B0", "Omega", second_belt)
         }
         values["v"] = rational(p.belt(where.boundary))
-    domain = {
+    # The values that Parameters allows; the belt's speed is "v" in formulas, v1 or v2 here.
+    domains = {
         "Omega": sp.Interval.open(0, sp.oo),
         "k": sp.Interval(0, sp.oo),
         "B0": sp.Interval(-sp.oo, sp.oo),
         "v1": sp.Interval.open(-sp.oo, values[second_belt]),
         "v2": sp.Interval.open(values[second_belt], sp.oo),
-    }[belt if name == "v" else name]
-    solved_for = "v" if name == belt else name, values, domain
+    }
+    if name in ("v", belt):
+        domain = domains[belt]
+        letter = "v"
+    else:
+        domain = domains[name]
+        letter = name
+    solved_for = letter, values, domain
     if question.asked == "empty":
-        solved = _solve_for_all_phases(*solved_for, -where.side, True, True)
+        # No phase has side (k v + B0 Omega sin theta) > 0.
+        solved = _solve_for_all_phases(*solved_for, -where.side, closed=True, at_zero=True)
     elif question.asked == "everything":
-        solved = _solve_for_all_phases(*solved_for, where.side, full, False)
+        solved = _solve_for_all_phases(*solved_for, where.side, closed=full, at_zero=False)
     elif isinstance(question.theta, PhaseInterval):
+        # With numbers, as they are here, each phase has answers without further conditions.
         decided = [
             _containing(*solved_for, where.side, extreme, full)
             for extreme in question.theta.deciding((-1, 1))
         ]
-        solved = iter(
-            [
-                Answer(
-                    sp.true,
-                    sp.Intersection(*(answer.values for answers in decided for answer in answers)),
-                )
-            ]
-        )
+        sets = [answer.values for answers in decided for answer in answers]
+        solved = iter([Answer(sp.true, sp.Intersection(*sets))])
     else:
         solved = _containing(*solved_for, where.side, (question.theta, True), full)
     conditions: dict[Expr, Expr] = {}  # conditions with one answer are joined
@@ -830,7 +834,8 @@ def _region(
     values = {name: rational(getattr(p, name)) for name in ("k", "B0", "Omega", belt)}
     values |= {name: QUERY_LETTERS[name] for name in question.names}
     level = where.side * values["k"] * values[belt]
-    scale = abs(level.as_coeff_Mul()[0]) or sp.S.One  # k > 2, not 25 k > 50
+    coefficient, _ = level.as_coeff_Mul()
+    scale = abs(coefficient) or sp.S.One  # k > 2, not 25 k > 50
     level = level / scale
     Omega = values["Omega"] / scale
     drive = where.side * values["B0"] * Omega

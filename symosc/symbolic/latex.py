@@ -142,7 +142,8 @@ class PaperPrinter(LatexPrinter):
         return str(first) + "".join(signed)
 
     def _print_Mul(self, expr: Expr) -> str:
-        negative = expr.could_extract_minus_sign() and expr.as_coeff_Mul()[0] < 0
+        coefficient, _ = expr.as_coeff_Mul()
+        negative = expr.could_extract_minus_sign() and coefficient < 0
         if negative:
             expr = -expr
         for drag in DRAGS.intersection(sp.Mul.make_args(expr)):
@@ -156,8 +157,11 @@ class PaperPrinter(LatexPrinter):
         front, rest = self._quotients(expr)
         if rest.below or not rest.above:
             return sign + self._fraction(front.above + rest.above, front.below + rest.below)
-        tall = any(factor.as_base_exp()[0].is_Add for factor in front.below)
-        if not front.below or tall or (not front.above and len(rest.above) == 1):
+        # One fraction of all: without a quotient in front, with a sum below it, or where 1/m would
+        # stand before a single factor.
+        has_sum_below = any(factor.as_base_exp()[0].is_Add for factor in front.below)
+        has_single_factor = not front.above and len(rest.above) == 1
+        if not front.below or has_sum_below or has_single_factor:
             return sign + self._fraction(front.above + rest.above, front.below)
         fraction = self._fraction(front.above, front.below)
         return f"{sign}{fraction} {self._product(rest.above, alone=False)}"
@@ -196,9 +200,10 @@ class PaperPrinter(LatexPrinter):
         """
         if not below:
             return self._product(above)
+        # A single factor needs no parentheses within a fraction, whatever it is.
         top, bottom = (
-            self._print(part[0]) if len(part) == 1 else self._product(part)
-            for part in (above, below)
+            self._print(factors[0]) if len(factors) == 1 else self._product(factors)
+            for factors in (above, below)
         )
         if len(above) == 1 and above[0].is_Add and r"\frac" in top:  # no fractions in fractions
             return rf"\frac{{1}}{{{bottom}}} {_parentheses(top)}"
@@ -230,9 +235,10 @@ class PaperPrinter(LatexPrinter):
         return str(super()._print_Pow(expr))
 
     def _print_ExpBase(self, expr: Expr, exp: Any = None) -> str:
-        above, below = sp.fraction(expr.args[0])
+        (exponent,) = expr.args
+        above, below = sp.fraction(exponent)
         if below == 1 or above.is_Add or below.is_Add:
-            return rf"e^{{{self._print(expr.args[0])}}}"
+            return rf"e^{{{self._print(exponent)}}}"
         bottom = self._print(below)
         return rf"e^{{{self._print(above)}/{bottom if len(below.args) < 2 else f'({bottom})'}}}"
 
@@ -241,9 +247,11 @@ class PaperPrinter(LatexPrinter):
         argument = expr.args[0]
         above, below = sp.fraction(argument)
         if below != 1 and not above.is_Add and not argument.could_extract_minus_sign():
-            text = self._fraction(
-                *(list(sp.Mul.make_args(part)) for part in (above, below))
-            )  # nothing beside it
+            # As one fraction, with nothing beside it.
+            factors_above, factors_below = (
+                list(sp.Mul.make_args(product)) for product in (above, below)
+            )
+            text = self._fraction(factors_above, factors_below)
         else:
             text = self._print(argument)
         if argument.is_Symbol or argument.is_Mul:
@@ -278,7 +286,8 @@ class PaperPrinter(LatexPrinter):
         return r"\varnothing"
 
     def _print_And(self, expr: Expr, char: Any = None) -> str:
-        # Equations stand first, and two bounds of one expression as a chain a < b < c.
+        # Equations stand first, and two bounds of one expression as a chain a < b < c. Texts are
+        # sorted together with whether they stand behind.
         texts = []
         conditions = list(expr.args)
         while conditions:
@@ -300,10 +309,8 @@ class PaperPrinter(LatexPrinter):
             else:
                 low = partner
                 high = condition
-            ends = [self._print(part) for part in (low.rhs, low.lhs, high.rhs)]
-            texts.append(
-                (False, f"{ends[0]} {LESS[low.rel_op]} {ends[1]} {LESS[high.rel_op]} {ends[2]}")
-            )
+            a, b, c = (self._print(expr) for expr in (low.rhs, low.lhs, high.rhs))
+            texts.append((False, f"{a} {LESS[low.rel_op]} {b} {LESS[high.rel_op]} {c}"))
         return r",\ ".join(text for _, text in sorted(texts))
 
     def _print_Or(self, expr: Expr, char: Any = None) -> str:
@@ -348,20 +355,21 @@ def _factor_key(factor: Expr) -> tuple[int, int, Any]:
     """Return the key by which factors are sorted: numbers, parameters, other symbols, functions,
     sums.
     """
-    base = factor.as_base_exp()[0]
+    base, _ = factor.as_base_exp()
     letters = {symbol.name for symbol in base.free_symbols}
+    # First the kind of factor, then its place among those of its kind.
     if factor.is_Rational:
         rank = 0, 0
     elif isinstance(factor, sp.exp):
         rank = 3, 0
     elif base.is_Add:
-        if factor.is_Pow:
-            place = 2
+        if letters <= {"mu_1", "mu_2"}:  # mu_1 + mu_2 stands in front, as in the paper
+            kind = 0
+        elif factor.is_Pow:
+            kind = 2
         else:
-            place = 3
-        if letters <= {"mu_1", "mu_2"}:
-            place = 0
-        rank = place, 1
+            kind = 3
+        rank = kind, 1
     elif base.is_Function:
         rank = 4, 0
     elif letters <= PARAMETERS:
@@ -380,18 +388,19 @@ def _place(letters: set[str]) -> int:
 
 def _one_root(expr: Expr) -> Expr:
     """Write a quotient of roots, such as sqrt(k)/sqrt(m), as one root sqrt(k/m)."""
-    halves = [
-        f
-        for f in sp.Mul.make_args(expr)
-        if f.is_Pow and abs(f.exp) == sp.S.Half and f.base.is_Symbol
+    roots = [
+        factor
+        for factor in sp.Mul.make_args(expr)
+        if factor.is_Pow and abs(factor.exp) == sp.S.Half and factor.base.is_Symbol
     ]
-    if not any(f.exp < 0 for f in halves):
+    if not any(root.exp < 0 for root in roots):
         return expr
-    rest = [f for f in sp.Mul.make_args(expr) if f not in halves]
-    root = sp.Symbol(rf"\sqrt{{{latex(sp.Mul(*halves) ** 2)}}}", positive=True)
-    if rest:
-        return sp.Mul(*rest, root, evaluate=False)
-    return root
+    others = [factor for factor in sp.Mul.make_args(expr) if factor not in roots]
+    # A symbol with this text as its name: sympy would take the root apart again.
+    root_symbol = sp.Symbol(rf"\sqrt{{{latex(sp.Mul(*roots) ** 2)}}}", positive=True)
+    if others:
+        return sp.Mul(*others, root_symbol, evaluate=False)
+    return root_symbol
 
 
 def _parentheses(text: str) -> str:

@@ -89,16 +89,19 @@ def repeated_apart() -> dict[str, Expr]:
     formulas = {"U1": first, "U0": sp.factor(solution.time_derivative(first).subs(cm, 2 * h))}
     formulas |= {"U2": sp.solve(_operator(U2) - E2, U2)[0], "D": p**2 + q**2}
     swing = tuple(tau * wave(Omega * tau) for wave in (sp.cos, sp.sin))
-    for (f, g), forcing, tops in (((V, W), (R2, I2), ("u", "z")), ((P, Q), swing, ("y", "n"))):
+    # Real and imaginary part, what the operator makes of them, and the names of u and z.
+    pairs = (((V, W), (R2, I2), ("u", "z")), ((P, Q), swing, ("y", "n")))
+    for (f, g), forcing, names in pairs:
+        # The known terms, without f and g, to the side of the forcing.
         sources = [
-            part - _operator(name).subs({f: 0, g: 0})
-            for name, part in zip((f, g), forcing, strict=True)
+            force - _operator(unknown).subs({f: 0, g: 0})
+            for unknown, force in zip((f, g), forcing, strict=True)
         ]
-        formulas |= dict(zip(tops, map(sp.expand, sources), strict=True))
-        real, imaginary = sp.symbols(tops)
-        whole = sp.solve([p * f - q * g - real, q * f + p * g - imaginary], [f, g])
+        formulas |= dict(zip(names, map(sp.expand, sources), strict=True))
+        real, imaginary = sp.symbols(names)
+        quotient = sp.solve([p * f - q * g - real, q * f + p * g - imaginary], [f, g])
         formulas |= {
-            str(name): expr.subs(p**2 + q**2, sp.Symbol("D")) for name, expr in whole.items()
+            str(name): expr.subs(p**2 + q**2, sp.Symbol("D")) for name, expr in quotient.items()
         }
     return formulas
 

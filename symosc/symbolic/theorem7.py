@@ -275,9 +275,9 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
             ((-1, 1), g < -size),
             ((-1, 0), sp.Eq(g, -size)),
         ]
-        if where.side < 0:  # in (56) the last two change places, and the second and third are one
-            rows[5:] = rows[:4:-1]
-            rows[1:3] = [((1, 0), g >= size)]
+        if where.side < 0:  # in (56) the second and third are one, and the last two change places
+            first, _, _, zero, inside, outside, equal = rows
+            rows = [first, ((1, 0), g >= size), zero, inside, equal, outside]
         rows_of_signs += [
             ((gamma_sign, amplitude_sign, excess), condition & amplitude_condition)
             for (gamma_sign, excess), condition in rows
@@ -332,19 +332,21 @@ def sign_of(number: Expr) -> int:
     """
     if number.is_Rational:
         return int(sp.sign(number))
-    for digits in (30, 200, MOST_SIGN_DIGITS):
+    few_digits = 30
+    for digits in (few_digits, 200, MOST_SIGN_DIGITS):
         value = number.evalf(15, maxn=digits)
         if value.is_Float and value._prec > 1:  # precision 1 is sympy's way to say "0 or nearly so"
             if value > 0:
                 return 1
             return -1
-        if digits == 30:
-            plain = sp.expand_trig(number)
+        # No digits show that a number is 0: algebra may, and is tried before more digits are.
+        if digits == few_digits:
+            expanded = sp.expand_trig(number)
             x = sp.Dummy("x")
-            if plain.is_algebraic:
-                is_zero = sp.minimal_polynomial(plain, x) == x
+            if expanded.is_algebraic:
+                is_zero = sp.minimal_polynomial(expanded, x) == x
             else:
-                is_zero = sp.simplify(plain) == 0
+                is_zero = sp.simplify(expanded) == 0
             if is_zero:
                 return 0
     raise ParameterError(
