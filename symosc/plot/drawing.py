@@ -115,17 +115,16 @@ def axes_for(
         across = columns
     with own_style():
         drawing = Drawing(figsize=size, layout="constrained")
-        every = drawing.subplots(
-            -(-count // across), across, sharex=columns is not None, squeeze=False
-        ).ravel()
-        axes = every[:count]
-        for empty in every[count:]:
-            empty.remove()
+        rows = -(-count // across)  # rounded up
+        grid = drawing.subplots(rows, across, sharex=columns is not None, squeeze=False).ravel()
+        axes = grid[:count]
+        for unused in grid[count:]:
+            unused.remove()
         for panel, letter in zip(axes, ascii_lowercase, strict=False):
             if letter_at is not None and count > 1:
                 panel.set_title(f"({letter})", loc="left", x=letter_at, pad=4)
             panel.tick_params(labelfontfamily=rcParams["font.family"][0])
-        for panel in axes[-across:]:
+        for panel in axes[-across:]:  # the lowest in each column
             panel.tick_params(labelbottom=True)
         yield drawing, axes
 
@@ -158,9 +157,11 @@ def panels_for(
         across = len(letters)
     else:
         across = min(columns, len(letters))
-    whole = size[0] * across, more + size[1] * -(-len(letters) // across)
-    common: Record = {"columns": None if columns is None else across, "letter_at": letter_at}
-    with axes_for(ax, whole, len(letters), **common) as (drawing, axes):
+    width, height = size
+    rows = -(-len(letters) // across)  # rounded up
+    figure_size = width * across, more + height * rows
+    layout: Record = {"columns": None if columns is None else across, "letter_at": letter_at}
+    with axes_for(ax, figure_size, len(letters), **layout) as (drawing, axes):
         for panel, letter in zip(axes, letters, strict=True):
             draw[letter](panel, answer)
         yield drawing, axes

@@ -286,8 +286,10 @@ def assemble(
     The panels stand in as many columns as `columns` says. If `tall` is given, the panel with this
     index is made taller, and the insets of its view stand above it.
     """
-    square = len(panels) == 1 and panels[0][0] is PANELS["c"]
-    heights = [3.0 if square else 2.0] * -(-len(panels) // columns)
+    ((first_panel, _), *others) = panels
+    square = first_panel is PANELS["c"] and not others
+    rows = -(-len(panels) // columns)  # rounded up
+    heights = [3.0 if square else 2.0] * rows
     if tall is not None:
         heights[tall // columns] *= 1.45
     layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
@@ -296,6 +298,7 @@ def assemble(
     for number, (panel, view) in enumerate(panels):
         cell = grid[number // columns, number % columns]
         if number == tall:
+            # The panel has the lower part, and the insets stand in the upper one.
             cell = cell.subgridspec(2, 1, height_ratios=(INSET_ROOM, 1.0))[1]
         ax = drawing.add_subplot(cell)
         panel(ax, view)
@@ -314,12 +317,14 @@ def assemble(
         entries[label] = Line2D([], [], linestyle="none", **style)
     order = [label for label in LEGEND_ORDER if label in entries]
     order += [label for label in entries if label not in order]  # the forces
-    rows = -(-len(order) // round(width))
-    if rows == 2:  # filled by columns: what belongs together stands in one
-        order.sort(key=lambda label: label not in LEGEND_ORDER[:4] and not label.startswith("$F"))
-    common.add_legend(
-        drawing, None, {label: entries[label] for label in order}, -(-len(order) // rows)
-    )
+    # In a row at most one entry for each inch of width.
+    legend_rows = -(-len(order) // round(width))
+    if legend_rows == 2:
+        # It is filled by columns: lines, sticks and forces first, so that pairs stand in one.
+        pairs = ("mass", "belt", "onset of stick", "end of stick")
+        order.sort(key=lambda label: label not in pairs and not label.startswith("$F"))
+    legend = {label: entries[label] for label in order}
+    common.add_legend(drawing, None, legend, -(-len(order) // legend_rows))
     return drawing
 
 
@@ -378,19 +383,23 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
         _write_words(row[-1], branch)
         entries = common.legend_entries(row)
         # The unit circle comes last in the legend. Only the panel of multipliers shows it.
-        unit = {label: entries.pop(label) for label in ("unit circle",) if label in entries}
+        unit_circle = {}
+        if "unit circle" in entries:
+            unit_circle["unit circle"] = entries.pop("unit circle")
         for kind in dict.fromkeys(end.kind for end in branch.ends if end.kind in END_MARKERS):
             entries[kind] = Line2D(
                 [], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black"
             )
         for name in [name for name in STABILITY_STYLES if name in stability(branch)]:
             entries[name] = Line2D([], [], color="black", ls=STABILITY_STYLES[name], lw=1.2)
-        common.add_legend(drawing, ax, entries | unit, 3 * len(row))
+        common.add_legend(drawing, ax, entries | unit_circle, 3 * len(row))
     return drawing
 
 
 def _positions(ax: Axes, branch: Branch) -> None:
     """Draw the positions of the switching points over the parameter."""
+    # Rows: the orbits of the branch; columns: their switching points.
+    _, x = np.moveaxis(branch.points, -1, 0)
     for i, label in enumerate(branch.labels):
         color = CURVE_COLORS[i % len(CURVE_COLORS)]
         earlier = branch.labels[:i].count(label)
@@ -401,7 +410,7 @@ def _positions(ax: Axes, branch: Branch) -> None:
         for rows, look in _stretches(branch):
             ax.plot(
                 branch.values[rows],
-                branch.points[rows, i, 1],
+                x[rows, i],
                 color=color,
                 ls=look,
                 lw=1.2,
@@ -409,11 +418,11 @@ def _positions(ax: Axes, branch: Branch) -> None:
             )
         _mark_ends(ax, branch, [[end.points[i].x] for end in branch.ends], color)
     last = int(np.argmax(branch.values))
-    below = -inf
-    least_gap = LABEL_GAP * float(np.ptp(branch.points[:, :, 1]))
-    for i in np.argsort(branch.points[last, :, 1]):  # from below, so that no label covers another
-        below = max(float(branch.points[last, i, 1]), below + least_gap)
-        position = branch.values[last], below
+    height = -inf
+    least_gap = LABEL_GAP * float(np.ptp(x))
+    for i in np.argsort(x[last]):  # from below, so that no label covers another
+        height = max(float(x[last, i]), height + least_gap)
+        position = branch.values[last], height
         ax.annotate(
             typeset(branch.labels[i]),
             position,
@@ -592,7 +601,8 @@ def border_figure(
                 | line_style
             )
             axes.plot(*curve.points[:, columns].T, **look)
-        axes.set(xlabel=PARAMETER_LABELS[names[0]], ylabel=PARAMETER_LABELS[names[1]])
+        x_name, y_name = names
+        axes.set(xlabel=PARAMETER_LABELS[x_name], ylabel=PARAMETER_LABELS[y_name])
         axes.margins(0.06)
         if len(borders) == 1:
             drawing.draw_without_rendering()  # the limits of the axes decide which way is across
@@ -630,6 +640,7 @@ def _write_words_beside(ax: Axes, border: Border) -> None:
         within = ax.transAxes.inverted().transform(ax.transData.transform(border.points[i]))
         return float(min(*within, *(1 - within)))
 
+    # Seven points evenly along the border, without its ends.
     i = max((len(border) * eighth // 8 for eighth in range(1, 8)), key=room)
     for word, neighbour in zip(border.words, border.beside(i, "1e-3"), strict=True):
         coordinates = [float(getattr(neighbour, name)) for name in border.parameters]

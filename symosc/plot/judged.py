@@ -46,6 +46,8 @@ INVENTED = "#e08214"
 FLOOR = 1e-17
 #: Samples that a figure of one step shows before it, and after it.
 SAMPLES_BESIDE = 3
+#: Exact events that it marks, at most.
+MOST_STEP_EVENTS = 4
 #: For `panels_for`: the panels stand in one column.
 ABOVE_EACH_OTHER: Record = {"more": 0.8, "columns": 1, "letter_at": -0.07}
 
@@ -116,11 +118,10 @@ def _errors(ax: Axes, check: CrossCheck, of_steps: bool) -> None:
     values = np.abs(errors) / check.scales
     # Where exact and computed values agree to the last digit there is nothing to draw.
     values = np.where(values > FLOOR, values, np.nan)
+    x_errors, v_errors = values.T
     style: Record = {"marker": "." if len(t) < 1000 else None, "ms": 2.5, "lw": 0.8}
-    ax.plot(t, values[:, 0], color=POSITION, ls="-", label="$x$, relative", **style)
-    ax.plot(
-        t, values[:, 1], color=VELOCITY, ls=(0, (4, 1.6)), label=r"$\dot{x}$, relative", **style
-    )
+    ax.plot(t, x_errors, color=POSITION, ls="-", label="$x$, relative", **style)
+    ax.plot(t, v_errors, color=VELOCITY, ls=(0, (4, 1.6)), label=r"$\dot{x}$, relative", **style)
     limit = np.max(limits / check.scales, axis=1)
     ax.plot(t, limit, color="black", lw=0.7, ls=(0, (1, 2)), label="tolerance")
     if np.isnan(values).all():  # nothing to scale by but the tolerance
@@ -180,7 +181,8 @@ def _motion_and_data(ax: Axes, found: Fit) -> None:
     measured = found._measured
     motion = found.trajectory
     times = np.linspace(float(motion.t_start), float(motion.t_end), 2000)
-    ax.plot(times, motion(times)[0], color=POSITION, lw=0.9, label="fitted motion")
+    positions, _ = motion(times)
+    ax.plot(times, positions, color=POSITION, lw=0.9, label="fitted motion")
     style: Record = {"color": "black", "ms": 3.5, "mfc": "none", "mew": 0.8}
     if measured.states is not None:
         ax.plot(measured.t, measured.states[0], ".", label="measured", **style)
@@ -190,7 +192,7 @@ def _motion_and_data(ax: Axes, found: Fit) -> None:
         else:
             t = ()
         if len(t):
-            x = motion(np.clip(t, times[0], times[-1]))[0]
+            x, _ = motion(np.clip(t, times[0], times[-1]))
             ax.plot(t, x, marker, label=f"measured {kind}", **style)
     ax.set_ylabel("displacement $x$")
 
@@ -288,8 +290,9 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
     if end > begin:
         motion = simulate(p, t0=begin, x0=float(check.x[step]), v0=float(check.v[step]), t_end=end)
         t = np.linspace(begin, end, 400)
-        events = motion.events[:4]
-        exact = motion(t)[int(of_velocity)]
+        events = motion.events[:MOST_STEP_EVENTS]
+        x, v = motion(t)
+        exact = v if of_velocity else x
         shown = np.append(shown, exact)
         ax.plot(t, exact, color=color, lw=1.4, label="exact, from the sample before")
         ax.plot(
@@ -397,9 +400,13 @@ def _events(check: CrossCheck) -> list[tuple[Any, ...]]:
         "not decided": check.unresolved,
     }
     rows += [(verdict, "", event) for verdict, events in others.items() for event in events]
-    rows.sort(key=lambda row: float(row[2].t))
+
+    def time_of(row: tuple[str, str, Any]) -> float:
+        _, _, event = row
+        return float(event.t)
+
     texts: list[tuple[Any, ...]] = []
-    for verdict, error, event in rows:
+    for verdict, error, event in sorted(rows, key=time_of):
         t = f"{float(event.t):.10g}"
         modes = f"{event.source} → {event.target}" if event.source else ""
         texts.append((t, event.kind, str(event.boundary or ""), verdict, error, modes))
@@ -444,7 +451,7 @@ def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
     `pixels`, else SVG.
     """
     width, height = drawing.get_size_inches()
-    for legend in drawing.legends:  # two columns fit the width
+    for legend in drawing.legends:  # made anew: two columns fit the width of a phone
         handles = [handle for handle in legend.legend_handles if handle is not None]
         labels = [text.get_text() for text in legend.get_texts()]
         legend.remove()
@@ -484,20 +491,22 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
     """
     require(Certificate, certificate=certificate)
     # An event is kind, source and target, and then the enclosures of t and of x, if it has them.
-    events = [event for event in certificate.events if len(event) > 3]
-    if not events:
+    enclosures = [event[3:] for event in certificate.events if len(event) > 3]
+    if not enclosures:
         allowed = (
             "must have enclosed events, as that of a trajectory or of an orbit with events has"
         )
         raise ParameterError("certificate", certificate, allowed)
-    times = [float(event[3][0]) for event in events]
-    enclosed = (("time $t$", "#1f3fd6", "o"), ("position $x$", "#d7191c", "s"))
+    t_bounds, x_bounds = zip(*enclosures, strict=True)
+    times = [float(low) for low, _ in t_bounds]
+    curves = (
+        ("time $t$", "#1f3fd6", "o", t_bounds),
+        ("position $x$", "#d7191c", "s", x_bounds),
+    )
     with axes_for(ax, (4.6, 3.0)) as (drawing, (axes,)):
-        for i, (name, color, shape) in enumerate(enclosed):
-            widths = [
-                max(float(Decimal(high) - Decimal(low)), 1e-30)
-                for low, high in (e[3 + i] for e in events)
-            ]
+        for name, color, shape, bounds in curves:
+            # A logarithmic axis cannot show a width of 0.
+            widths = [max(float(Decimal(high) - Decimal(low)), 1e-30) for low, high in bounds]
             axes.semilogy(times, widths, marker=shape, ms=3.5, lw=0.8, color=color, label=name)
         axes.set(xlabel="time $t$", ylabel="width of the enclosure")
         axes.set_title(f"{certificate.kind}, {'proven' if certificate.proven else 'not proven'}")

@@ -177,11 +177,12 @@ def trajectory_page(path: Trajectory) -> str:
         ]
 
     times = np.clip(np.linspace(begin, end, MOST_POINTS), begin, end)
+    positions, _ = path(times)
     if len(events) <= MOST_DOTS:
         dots = [(float(event.t), float(event.x)) for event in events]
     else:
         dots = []
-    drawn = curve(f"x against t, from {begin:g} to {end:g}", times, path(times)[0], dots)
+    drawn = curve(f"x against t, from {begin:g} to {end:g}", times, positions, dots)
     about = facts(
         {"word": collapsed(path.word) or "none", "ended": path.message, "digits": path.digits}
     )
@@ -278,7 +279,8 @@ def branch_page(branch: Branch) -> str:
     switching.
     """
     sizes = np.abs(branch.multipliers).max(axis=1)
-    x = branch.points[:, 0, 1]
+    first_points = branch.points[:, 0]  # of each orbit, t and x of its first switching
+    _, x = first_points.T
     name = branch.parameter
     stable = np.where(branch.stable, "yes", "no")
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
@@ -288,7 +290,7 @@ def branch_page(branch: Branch) -> str:
     rows = table(
         heads,
         len(x),
-        lambda i: [branch.values[i], *branch.points[i, 0], f"{sizes[i]:.6g}", stable[i]],
+        lambda i: [branch.values[i], *first_points[i], f"{sizes[i]:.6g}", stable[i]],
     )
     line = f"{branch.word} in {name}, {len(branch.values)} points"
     return page("Branch", line, rows, drawn, facts(dict(zip(END_NAMES, ends, strict=True))))
@@ -300,21 +302,22 @@ def border_page(border: Border) -> str:
     """
     first, second = border.parameters
 
-    def where(point: Any) -> str:
-        at = f"{first} = {point.values[0]:.10g}, {second} = {point.values[1]:.10g}"
-        return f"{point.kind} at {at}: {point.message}"
+    def point_text(point: Any) -> str:
+        first_value, second_value = point.values
+        values = f"{first} = {first_value:.10g}, {second} = {second_value:.10g}"
+        return f"{point.kind} at {values}: {point.message}"
 
     heads = (first, second, "error")
     errors = border.errors.max(axis=1)
     points = table(heads, len(border), lambda i: [*border.points[i], f"{errors[i]:.0e}"])
-    marks = [(float(point.values[0]), float(point.values[1])) for point in border.special]
-    drawn = curve(f"{second} against {first}", border.points[:, 0], border.points[:, 1], marks)
-    about = dict(zip(END_NAMES, map(where, border.ends), strict=True))
-    about |= {f"special point {i}": where(point) for i, point in enumerate(border.special, 1)}
-    line = (
-        f"{border.words[0]} | {border.words[1] or 'no word'}: {border.sliding or border.kind}, "
-        f"{len(border)} points"
-    )
+    marks = [(float(x), float(y)) for x, y in (point.values for point in border.special)]
+    x, y = border.points.T
+    drawn = curve(f"{second} against {first}", x, y, marks)
+    about = dict(zip(END_NAMES, map(point_text, border.ends), strict=True))
+    about |= {f"special point {i}": point_text(point) for i, point in enumerate(border.special, 1)}
+    word, word_beyond = border.words
+    kind = border.sliding or border.kind
+    line = f"{word} | {word_beyond or 'no word'}: {kind}, {len(border)} points"
     return page("Border", line, points, drawn, facts(about))
 
 
@@ -423,9 +426,8 @@ def certificate_page(certificate: Certificate) -> str:
         return [kind, source, target, *(common_digits(*ends) for ends in enclosures), *widths]
 
     count = len(certificate.events)
-    heads = ("kind", "from", "to", "t", "x", "width of t", "width of x")[
-        : len(row(0)) if count else 0
-    ]
+    heads = ["kind", "from", "to", "t", "x", "width of t", "width of x"]
+    heads = heads[: len(row(0)) if count else 0]  # a branch has no enclosures
     about: Record = {
         f"multiplier {i}": common_complex(*multiplier)
         for i, multiplier in enumerate(certificate.multipliers, 1)

@@ -157,11 +157,12 @@ def view_of(
     start = float(trajectory.t_start)
     t = _sample_times(trajectory, sampling, since)
     x, v = trajectory(t)
-    mode = trajectory.segments[0].mode
+    first_mode = trajectory.segments[0].mode
+    sticks_first = first_mode.startswith("belt")
     if boundary is None:
         nearest = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
-        if mode.startswith("belt"):
-            boundary = int(mode[-1])
+        if sticks_first:
+            boundary = int(first_mode[-1])
         elif events:
             boundary = events[0].boundary
         else:
@@ -177,19 +178,20 @@ def view_of(
         for contact in contacts
         if contact.until >= t[0]
     ]
-    first = Mark("onset of stick", ONSET_COLOR, start, int(mode[-1]))
-    marks = [first if mode.startswith("belt") else Mark("start", "white", start)]
+    if sticks_first:
+        marks = [Mark("onset of stick", ONSET_COLOR, start, int(first_mode[-1]))]
+    else:
+        marks = [Mark("start", "white", start)]
     marks += [Mark(*EVENT_MARKS[event.kind], float(event.t), event.boundary) for event in events]
-    seen = tuple(mark for mark in marks if mark.t >= since)
     return View(
         trajectory,
         boundary,
         t,
         x,
         v,
-        seen,
-        tuple(contacts),
-        _inset_sticks(contacts, t),
+        marks=tuple(mark for mark in marks if mark.t >= since),
+        contacts=tuple(contacts),
+        magnified=_inset_sticks(contacts, t),
         style=style or {},
     )
 
@@ -202,6 +204,7 @@ def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> n
     if since > edges[0]:
         edges = [since, *(edge for edge in edges if edge > since)]
     step = max(period / sampling.per_period, (edges[-1] - edges[0]) / sampling.most)
+    # Denser at the start of a segment, where a velocity leaves a belt.
     start = np.linspace(0, 1, sampling.least // 2) ** 4
     times = []
     for low, high in pairwise(edges):
@@ -331,17 +334,20 @@ def _belt_points(ax: Axes, view: View) -> None:
     touches.
     """
     low, high = ax.get_ylim()
-    reaches = view.belt_reach[0] * (view.t[-1] - view.t[0]), view.belt_reach[1] * (high - low)
+    width_part, height_part = view.belt_reach
+    most_time = width_part * (view.t[-1] - view.t[0])
+    most_way = height_part * (high - low)
     for contact in view.contacts:
         path = partial(belt_path, view.trajectory, contact.belt)
-        x = view.trajectory(contact.since)[0]
+        x, _ = view.trajectory(contact.since)
         (begin,), (speed,) = path(np.array([contact.since]))
         if speed:
-            reach = min(reaches[0], reaches[1] / abs(speed))
+            reach = min(most_time, most_way / abs(speed))
         else:
-            reach = reaches[0]
+            reach = most_time
         t = np.linspace(contact.since - reach, contact.until + reach, 200 if view.belts_move else 2)
-        ax.plot(t, x + path(t)[0] - begin, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+        belt_positions, _ = path(t)
+        ax.plot(t, x + belt_positions - begin, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
     ax.set_ylim(low, high)
 
 
@@ -353,11 +359,12 @@ def _belt_speeds(ax: Axes, view: View) -> None:
     names_touch = float(p.v2 - p.v1) < NAMES_TOUCH * (high - low)
     for belt in view.belts():
         speed = float(p.belt(belt))
-        shift = (0, -5, 5)[
-            belt
-        ] * names_touch  # the lower name down and the upper one up, in points
+        # In points, the lower name down and the upper one up.
+        shift = 0
+        if names_touch:
+            shift = {1: -5, 2: 5}[belt]
         if view.belts_move:
-            speeds = belt_path(view.trajectory, belt, view.t)[1]
+            _, speeds = belt_path(view.trajectory, belt, view.t)
             ax.plot(view.t, speeds, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
             speed = float(speeds[-1])
         else:
@@ -477,7 +484,9 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
     times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
     times = np.union1d(times, [since, until])
-    relative = view.trajectory(times)[1] - path(times)[1]
+    _, velocities = view.trajectory(times)
+    _, speeds = path(times)
+    relative = velocities - speeds
     # Both axes are in units of a power of ten, which their labels name.
     time_power = floor(log10(length))
     speed_power = floor(log10(np.abs(relative).max() or 1))
@@ -515,15 +524,16 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
     inset.xaxis.tick_top()
     inset.xaxis.set_label_position("top")
-    powers = [
+    time_unit, speed_unit = (
         f"$10^{{{-exponent}}}\\," if exponent else "$" for exponent in (time_power, speed_power)
-    ]
-    inset.set_xlabel(f"{powers[0]}(t - {since:.6f})$", fontsize=INSET_FONT, labelpad=2)
-    inset.set_ylabel(f"{powers[1]}(\\dot{{x}} - v_{belt})$", fontsize=INSET_FONT, labelpad=2)
+    )
+    inset.set_xlabel(f"{time_unit}(t - {since:.6f})$", fontsize=INSET_FONT, labelpad=2)
+    inset.set_ylabel(f"{speed_unit}(\\dot{{x}} - v_{belt})$", fontsize=INSET_FONT, labelpad=2)
     inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
     inset.set_in_layout(False)  # the grid keeps its room free
     leader: Record = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
-    spot = since, float(path(np.array([since]))[1, 0])
+    _, (speed,) = path(np.array([since]))
+    spot = since, float(speed)
     left, bottom, width, _ = box
     for corner in (left, left + width):
         ax.annotate("", spot, (corner, bottom), "data", "axes fraction", leader, zorder=0)

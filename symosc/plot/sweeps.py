@@ -223,13 +223,13 @@ def _mark_changes(axes: Axes, values: np.ndarray, words: np.ndarray, named: bool
     """Mark where the word changes between increasing values; if `named` write each above its
     stretch where it fits.
     """
-    cuts = [0, *(np.flatnonzero(words[1:] != words[:-1]) + 1), len(words)]
+    changes = np.flatnonzero(words[1:] != words[:-1]) + 1  # indices of the first new word
     low, high = axes.get_xlim()
-    places = [low, *((values[i - 1] + values[i]) / 2 for i in cuts[1:-1]), high]
-    for right in places[1:-1]:
-        axes.axvline(right, color="0.6", lw=0.6, ls=(0, (4, 2)), zorder=0)
-    # `cuts` has one more than there are stretches: the index beyond the last word.
-    for i, (left, right) in zip(cuts, pairwise(places), strict=False):
+    # A line halfway between the last value with a word and the first one with the next.
+    lines = [(values[i - 1] + values[i]) / 2 for i in changes]
+    for line in lines:
+        axes.axvline(line, color="0.6", lw=0.6, ls=(0, (4, 2)), zorder=0)
+    for i, (left, right) in zip([0, *changes], pairwise([low, *lines, high]), strict=True):
         word_width = (high - low) * (WORD_MARGIN + LETTER_WIDTH * len(words[i]))
         if named and right - left > word_width:
             write_above(axes, (left + right) / 2, typeset(words[i]), 3)
@@ -361,9 +361,9 @@ def _response_panel(axes: Axes, response: FrequencyResponse, letter: str) -> Non
     shift = {"phase": 2 * pi * (response.phase < -pi / 2)}  # phases from -pi/2 to 3 pi/2
     for name in names:
         column = getattr(response, name)[order] + shift.get(name, np.zeros(len(order)))[order]
-        column = np.where(np.isfinite(column), column, np.nan) * (
-            100 if name == "balance_error" else 1
-        )
+        column = np.where(np.isfinite(column), column, np.nan)
+        if name == "balance_error":  # in percent
+            column = column * 100
         style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
         if len(column) <= FEW_POINTS:
             style |= {"marker": "o", "ms": 3}
@@ -395,10 +395,10 @@ def _fit_height(axes: Axes, response: FrequencyResponse, drawn: np.ndarray) -> N
         is_cut = 0.0 < highest < top
         if is_cut:
             top = highest
-        places = ", ".join(f"{value:.6g}" for value in resonances[:MOST_NAMED])
+        values = ", ".join(f"{value:.6g}" for value in resonances[:MOST_NAMED])
         if len(resonances) > MOST_NAMED:
-            places += ", …"
-        note = f"infinite at {PARAMETER_LABELS[response.name]} = {places}"
+            values += ", …"
+        note = f"infinite at {PARAMETER_LABELS[response.name]} = {values}"
         if is_cut:
             note += "\nhigher values cut off"
         for value in resonances:
@@ -456,24 +456,23 @@ def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
     column = column.sortby(over).transpose(*over)
     unknown = read_column(dataset, "status").sortby(over).transpose(*over).values == "undecidable"
     values = column.values
-    edges = _cell_edges(column[first].values), _cell_edges(column[second].values)
+    x_edges = _cell_edges(column[first].values)
+    y_edges = _cell_edges(column[second].values)
+    edges = x_edges, y_edges
+    are_words = values.dtype.kind in "UO"
+    are_whole = values.dtype.kind in "iu"
     with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
-        if values.dtype.kind in "UO" or (
-            values.dtype.kind in "iu" and len(np.unique(values)) <= MOST_WHOLE_CLASSES
-        ):
-            _draw_classes(axes, edges, *classes_of(values, unknown), new=ax is None)
+        if are_words or (are_whole and len(np.unique(values)) <= MOST_WHOLE_CLASSES):
+            codes, looks = classes_of(values, unknown)
+            _draw_classes(axes, edges, codes, looks, new=ax is None)
         else:
-            _draw_shades(
-                axes,
-                edges,
-                np.where(unknown, np.nan, values.astype(float)),
-                label(str(column.name)),
-            )
+            known = np.where(unknown, np.nan, values.astype(float))
+            _draw_shades(axes, edges, known, label(str(column.name)))
         axes.set(
             xlabel=label(first),
             ylabel=label(second),
-            xlim=edges[0][[0, -1]],
-            ylim=edges[1][[0, -1]],
+            xlim=x_edges[[0, -1]],
+            ylim=y_edges[[0, -1]],
         )
         scene = loads(dataset.attrs.get("scene", "{}"))
         if second == "v0":
@@ -659,7 +658,8 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     """
     require(EventTable, events=events)
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
-        # Marks of more events are smaller: all together they cover about the same area.
+        # Marks of more events are smaller: all together they cover about the same area, that of 200
+        # marks in full size.
         scale = max(0.6 / 5, min(1.0, (200 / max(len(events), 1)) ** 0.5))
         for code, kind in KIND_NAMES.items():
             name, color = EVENT_MARKS[kind]
@@ -798,10 +798,10 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
             entries["not proven"] = Patch(linewidth=0.4, **hatched)
         # An atlas without proven boxes shows the words that were simulated on its grid.
         for word, colour in () if atlas.boxes else colours.items():
-            places = np.array([(x, y) for x, y, seen in atlas.grid if seen == word])
-            if len(places):
+            points = np.array([(x, y) for x, y, grid_word in atlas.grid if grid_word == word])
+            if len(points):
                 axes.plot(
-                    *places.T,
+                    *points.T,
                     "s",
                     color=colour,
                     markeredgecolor="0.4",
@@ -820,9 +820,10 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
                 name = f"C{i}"
             axes.annotate(name, point.values, xytext=(3, 3), textcoords="offset points", fontsize=7)
         xlim, ylim = ([float(end) for end in side] for side in atlas.range)
+        x_name, y_name = atlas.over
         axes.set(
-            xlabel=PARAMETER_LABELS[atlas.over[0]],
-            ylabel=PARAMETER_LABELS[atlas.over[1]],
+            xlabel=PARAMETER_LABELS[x_name],
+            ylabel=PARAMETER_LABELS[y_name],
             xlim=xlim,
             ylim=ylim,
         )

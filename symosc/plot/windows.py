@@ -149,7 +149,9 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
         axes.plot([0, cos(theta)], [0, sin(theta)], color=CRITICAL_COLOR, linewidth=0.7, zorder=1)
         draw_dot(axes, cos(theta), sin(theta), belongs)
     if critical:
-        level = sin(critical[0][0])
+        # Both critical phases have this sine.
+        theta_cr, _ = critical[0]
+        level = sin(theta_cr)
         axes.plot(
             [-1.15, 1.15],
             [level, level],
@@ -242,18 +244,20 @@ def _contacts(axes: Axes, window: GrazingWindow) -> None:
         return
     middle = float((p.A(where.domain) - p.c * window.speed) / p.k)
     amplitude = float(p.B0 / p.k)
-    parts = [
+    # The whole curve thin, and over it the window thick.
+    curves = [
         (0, TURN, OUTSIDE_COLOR, 0.8),
         *((low, high, INSIDE_COLOR, 2.0) for low, high, *_ in window.intervals),
     ]
-    for low, high, color, width in parts:
+    for low, high, color, width in curves:
         phases = np.linspace(low, high, max(2, int(CIRCLE_POINTS * (high - low) / TURN)))
         axes.plot(phases, middle + amplitude * np.cos(phases), color=color, linewidth=width)
     for theta, belongs in critical_phases(window):
         axes.axvline(theta, color=CRITICAL_COLOR, linewidth=0.7, linestyle=(0, (4, 3)), zorder=0)
         # The phase 0 is at both ends of the axis.
-        for shown in (theta, TURN) if theta == 0 else (theta,):
-            draw_dot(axes, shown, middle + amplitude * float(np.cos(theta)), belongs)
+        abscissas = (theta, TURN) if theta == 0 else (theta,)
+        for abscissa in abscissas:
+            draw_dot(axes, abscissa, middle + amplitude * float(np.cos(theta)), belongs)
 
 
 # -- windows against one parameter -----------------------------------------------------------------
@@ -306,10 +310,14 @@ def sweep_figure(
         np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high]
     )
     columns = grazing_windows(p, mapping, order, **{name: values})
+    if name == "B0":
+        amplitudes = values
+    else:
+        amplitudes = np.full_like(values, float(p.B0))
+    # Where side B0 > 0, the window is where sin(theta) is above sin(Theta_cr), else below.
+    above = place(mapping).side * amplitudes
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
-        _window_areas(
-            axes, values, columns, place(mapping).side * (values if name == "B0" else float(p.B0))
-        )
+        _window_areas(axes, values, columns, above)
         label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
         for curve in (columns.theta_cr % TURN, pi - columns.theta_cr):
             if not np.isnan(curve).all():
@@ -325,17 +333,12 @@ def sweep_figure(
                     label=label,
                 )
                 label = None
+        # At equality a window may have or lack a single phase.
         for q in equalities:
-            for theta, belongs in critical_phases(
-                grazing_window(p.replace(**{name: q}), mapping, order)
-            ):
-                draw_dot(
-                    axes,
-                    float(q),
-                    theta,
-                    belongs,
-                    "belongs to it" if belongs else "does not belong to it",
-                )
+            window = grazing_window(p.replace(**{name: q}), mapping, order)
+            for theta, belongs in critical_phases(window):
+                meaning = "belongs to it" if belongs else "does not belong to it"
+                draw_dot(axes, float(q), theta, belongs, meaning)
         axes.set(
             xlabel=PARAMETER_LABELS[name], ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN)
         )
@@ -366,7 +369,7 @@ def _sweep_range(
         )
     equalities = [abs(float(value)) for value in _equalities(p, mapping, name)]
     reach = 2 * max([abs(float(getattr(p, name))), *equalities]) or 1.0
-    least, most = {
+    usual_low, usual_high = {
         "Omega": (reach / 400, reach),
         "k": (0.0, reach),
         "B0": (-reach, reach),
@@ -374,16 +377,18 @@ def _sweep_range(
         "v2": (max(-reach, float(p.v1)), max(reach, float(p.v1) + reach)),
     }[name]
     if low is None:
-        first = least
+        first = usual_low
     else:
         first = float(read_exact(name, low))
     if high is None:
-        last = most
+        last = usual_high
     else:
         last = float(read_exact(name, high))
     shift = 1e-9 * (last - first)  # the belts may not have one speed
-    last -= shift * (name == "v1" and last == float(p.v2))
-    first += shift * (name == "v2" and first == float(p.v1))
+    if name == "v1" and last == float(p.v2):
+        last -= shift
+    if name == "v2" and first == float(p.v1):
+        first += shift
     if not first < last:
         raise ParameterError(
             name, [first, last], "the range must go from a lower to a higher value"
@@ -421,9 +426,9 @@ def _window_areas(axes: Axes, values: np.ndarray, columns: WindowColumns, above:
     everything = np.isin(columns.kind, (EVERYTHING, ALL_BUT_ONE))
     # Everything is a wrapped arc whose ends meet: shaded as one with the wrapped arcs beside it,
     # without a seam.
-    last = np.where(np.asarray(above) > 0, THREE_HALVES_PI, HALF_PI[0])
-    low = np.where(everything, last, columns.low)
-    high = np.where(everything, last, columns.high)
+    seam = np.where(np.asarray(above) > 0, THREE_HALVES_PI, HALF_PI[0])
+    low = np.where(everything, seam, columns.low)
+    high = np.where(everything, seam, columns.high)
     wrapped = everything | (columns.kind == WRAPPED_ARC)
     floor = np.zeros_like(values)
     ceiling = np.full_like(values, TURN)
@@ -483,23 +488,22 @@ def region_figure(
         for name, limits in zip(names, (first, second), strict=True)
     ]
     x, y = np.meshgrid(*(np.linspace(*span, 401) for span in spans))
-    allowed, inside, closed = (
-        _margin(condition, region.letters, x, y, more)
-        for condition, more in (
-            (region.allowed, 0.0),
-            (region.condition, 0.0),
-            (region.condition, 1.0),
-        )
-    )
+    # Margins are positive where a condition holds. With 1 more for >= and <=, that of the condition
+    # is larger where its border belongs to it.
+    allowed = _margin(region.allowed, region.letters, x, y, 0.0)
+    inside = _margin(region.condition, region.letters, x, y, 0.0)
+    closed = _margin(region.condition, region.letters, x, y, 1.0)
     with axes_for(ax, (4.6, 3.9)) as (drawing, (axes,)):
         shown = _region_areas(axes, x, y, inside, allowed)
         shown += _region_borders(axes, x, y, np.where(allowed < 0, np.nan, inside), closed > inside)
         shown += _mark_given(axes, region, spans)
+        x_name, y_name = names
+        x_span, y_span = spans
         axes.set(
-            xlabel=PARAMETER_LABELS[names[0]],
-            ylabel=PARAMETER_LABELS[names[1]],
-            xlim=spans[0],
-            ylim=spans[1],
+            xlabel=PARAMETER_LABELS[x_name],
+            ylabel=PARAMETER_LABELS[y_name],
+            xlim=x_span,
+            ylim=y_span,
         )
         axes.set_title(f"${region.question.latex()}$")
         add_legend(drawing, ax, {artist.get_label(): artist for artist in shown}, 3)
@@ -590,8 +594,9 @@ def _region_borders(
             x, y, margin, [0], colors=[INSIDE_COLOR], linewidths=1.2, linestyles=[style], zorder=2
         )
         # A shorter piece is only where two kinds of border meet.
-        least = 0.01 * np.array([np.ptp(x), np.ptp(y)])
-        if any((np.ptp(piece, axis=0) > least).any() for piece in lines.allsegs[0] if len(piece)):
+        least_size = 0.01 * np.array([np.ptp(x), np.ptp(y)])
+        (pieces,) = lines.allsegs  # of the only level, 0
+        if any((np.ptp(piece, axis=0) > least_size).any() for piece in pieces if len(piece)):
             shown.append(
                 Line2D([], [], color=INSIDE_COLOR, linewidth=1.2, linestyle=style, label=label)
             )

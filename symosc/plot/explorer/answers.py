@@ -147,7 +147,7 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     errors = {}
     for name in FIELDS:
         try:
-            numbers[name] = read_number(name, state[name])[0]
+            numbers[name], _ = read_number(name, state[name])
         except ParameterError as error:
             errors[name] = IN_SHORT.get(error.allowed, error.allowed)
             numbers[name] = getattr(sound.parameters, name, Fraction(1))
@@ -321,9 +321,9 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
             )
         )
     period = tau / float(scene.parameters.Omega)
-    # The Poincaré section. A whole period may lie outside the motion by rounding.
-    whole = np.arange(ceil(view.t[0] / period), floor(view.t[-1] / period) + 1) * period
-    x, v = trajectory(np.clip(whole, view.t[0], view.t[-1]))
+    # The Poincaré section, at whole periods. The last one may lie outside the motion by rounding.
+    section_times = np.arange(ceil(view.t[0] / period), floor(view.t[-1] / period) + 1) * period
+    x, v = trajectory(np.clip(section_times, view.t[0], view.t[-1]))
     sources = {
         "curves": {name: _rounded(values) for name, values in curves.items()},
         "marks": _columns("t x v color belt marker size label", marks),
@@ -429,9 +429,12 @@ def _belts(view: View, v_range: tuple[float, float]) -> Record:
     arrows = ["↓ " * (speed < low) + "↑ " * (speed > high) for speed in speeds]
     texts = [f"{arrow}belt {belt}" for belt, arrow in enumerate(arrows, 1)]
     names = list(zip(heights, texts, strict=True))
-    if heights[1] - heights[0] < LEAST_BELT_DISTANCE * (high - low):
-        height = heights[drawn.index(True)] if any(drawn) else heights[0]
-        names = [(height, f"{texts[1]}\n{texts[0]}")]
+    lower, upper = heights
+    if upper - lower < LEAST_BELT_DISTANCE * (high - low):
+        # One label of two lines, at a belt that is drawn.
+        height = heights[drawn.index(True)] if any(drawn) else lower
+        lower_text, upper_text = texts
+        names = [(height, f"{upper_text}\n{lower_text}")]
     return {"speeds": speeds, "drawn": drawn, "names": names}
 
 
@@ -461,7 +464,8 @@ def _arcs(windows: Sequence[GrazingWindow]) -> Iterator[tuple[Any, ...]]:
             colors = ("#c3cdf5", "black")
         pieces = [(low, high) for low, high, *_ in window.intervals]
         if len(pieces) == 2:  # they meet at the phase 0
-            pieces = [(pieces[1][0] - 2 * pi, pieces[0][1])]
+            (_, high), (low, _) = pieces
+            pieces = [(low - 2 * pi, high)]
         for low, high in pieces:
             if high - low < 2 * pi:
                 middle = (low + high) / 2
