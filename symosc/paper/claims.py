@@ -130,12 +130,12 @@ def read_claims(
     data = read_toml(path)
     claims = dict[str, Claim]()
     unjudged = []
-    for says, row in data.pop("unjudged", {}).items():
+    for statement, row in data.pop("unjudged", {}).items():
         if not isinstance(row, list) or [type(text) for text in row] != [str, str]:
-            raise RecordsError(
-                f"{path.name}, [unjudged]", f"{says} = {row!r}: must be a place, and a reason"
-            )
-        unjudged.append(Unjudged(row[0], says, row[1]))
+            problem = f"{statement} = {row!r}: must be a place, and a reason"
+            raise RecordsError(f"{path.name}, [unjudged]", problem)
+        place, reason = row
+        unjudged.append(Unjudged(place, statement, reason))
     kinds = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
     kinds |= {erratum.id: "errata" for erratum in read_errata()}
     for part in data:
@@ -163,7 +163,9 @@ def read_claims(
             texts = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
             texts |= {key: one_line(value) for key, value in table.items()}
             one_of(where, "verdict", texts["verdict"], VERDICTS)
-            if not ("correction" in table) == bool(errata) == (texts["verdict"] in FAULTY):
+            has_correction = "correction" in table
+            is_faulty = texts["verdict"] in FAULTY
+            if not has_correction == bool(errata) == is_faulty:  # all three or none
                 faulty = " or ".join(map(repr, FAULTY))
                 raise RecordsError(
                     where,

@@ -102,10 +102,11 @@ def _draw_arrow(
 
 def _draw_belt(ax: Axes, side: int, number: int) -> None:
     """Draw a belt above (side 1) or below (-1) the mass: its strand at the mass moves to the right."""
-    contact = 0.9
+    contact = 0.9  # height of the strand at the mass
     radius = 0.7
     centres = (3.6, 8.9)
-    mass = (4.7, 6.7)
+    left_centre, right_centre = centres
+    mass_left, mass_right = (4.7, 6.7)
     middle = side * (contact + radius)
     outer = side * (contact + 2 * radius)
     for centre in centres:
@@ -123,13 +124,14 @@ def _draw_belt(ax: Axes, side: int, number: int) -> None:
             connectionstyle=f"arc3,rad={0.6 * side}",
         )
     turn = np.linspace(-np.pi / 2, np.pi / 2, 60)
-    bows = [(centres[1], np.cos(turn), np.sin(turn)), (centres[0], -np.cos(turn), -np.sin(turn))]
+    # The belt's rim: the right bow upwards, then the left one downwards.
+    bows = [(right_centre, np.cos(turn), np.sin(turn)), (left_centre, -np.cos(turn), -np.sin(turn))]
     rim = np.vstack([np.column_stack([x + radius * c, middle + radius * s]) for x, c, s in bows])
     ax.add_patch(Polygon(rim, closed=True, fill=False, edgecolor=BELT_COLOR, lw=1.5, zorder=2))
     # A shoe behind the strand presses the belt against the mass.
-    shoe = sorted((side * (contact + 0.07), side * (contact + 0.25)))
+    low, high = sorted((side * (contact + 0.07), side * (contact + 0.25)))
     ax.add_patch(
-        Rectangle((mass[0], shoe[0]), mass[1] - mass[0], shoe[1] - shoe[0], facecolor=GREY, lw=0)
+        Rectangle((mass_left, low), mass_right - mass_left, high - low, facecolor=GREY, lw=0)
     )
     _draw_arrow(ax, (5.7, outer + side * 0.95), (5.7, side * (contact + 0.25)), "black", zorder=5)
     ax.text(5.9, outer + side * 0.6, "$F_N$", ha="left", va="center")
@@ -169,9 +171,15 @@ def fig2() -> Figure:
             side = -1
         else:
             side = 1
-        place = (low + high) / 2, level + 0.07 * side * height
-        ax.text(*place, f"{name}\n$= {level:.4g}$", ha="center", va="top" if side < 0 else "bottom")
-        ax.text(place[0], -1.3 * height, rf"$\Omega_{alpha}$", **CENTER, color=GREY)
+        middle = (low + high) / 2
+        ax.text(
+            middle,
+            level + 0.07 * side * height,
+            f"{name}\n$= {level:.4g}$",
+            ha="center",
+            va="top" if side < 0 else "bottom",
+        )
+        ax.text(middle, -1.3 * height, rf"$\Omega_{alpha}$", **CENTER, color=GREY)
     for belt, speed in ((1, v1), (2, v2)):
         ax.plot([speed, speed], levels[belt - 1 : belt + 1], color=ONSET_COLOR, lw=THICK, zorder=4)
         ax.axvline(speed, color=GREY, lw=THIN, ls=":", zorder=1)
@@ -202,23 +210,28 @@ def fig3() -> Figure:
     v1 = float(p.v1)
     v2 = float(p.v2)
     zones = {belt: sticking_interval(p, belt) for belt in (1, 2)}
-    left = min(zone[0] for zone in zones.values())
-    right = max(zone[1] for zone in zones.values())
-    x = left - 0.25 * (right - left), right + 0.25 * (right - left)
-    v = v1 - 0.9 * (v2 - v1), v2 + 0.9 * (v2 - v1)
-    width = x[1] - x[0]
+    left = min(low for low, _ in zones.values())
+    right = max(high for _, high in zones.values())
+    x_low = left - 0.25 * (right - left)
+    x_high = right + 0.25 * (right - left)
+    v_low = v1 - 0.9 * (v2 - v1)
+    v_high = v2 + 0.9 * (v2 - v1)
+    width = x_high - x_low
+    height = v_high - v_low
     drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
     ax = drawing.add_subplot()
-    for alpha, (low, high) in enumerate(((v[0], v1), (v1, v2), (v2, v[1])), 1):
+    for alpha, (low, high) in enumerate(((v_low, v1), (v1, v2), (v2, v_high)), 1):
         ax.axhspan(low, high, color=SHADES[alpha - 1], lw=0, zorder=0)
-        # Arrows of one length in the direction of (x', F^(alpha)), as the axes show it.
-        rows = max(1, round(7 * (high - low) / (v[1] - v[0])))
+        # Arrows of one length in the direction of (x', F^(alpha)), as the axes show it: ten columns,
+        # and about seven rows in all domains together.
+        rows = max(1, round(7 * (high - low) / height))
         X, V = np.meshgrid(
-            np.linspace(*x, 12)[1:-1], low + (np.arange(rows) + 0.5) * (high - low) / rows
+            np.linspace(x_low, x_high, 12)[1:-1],
+            low + (np.arange(rows) + 0.5) * (high - low) / rows,
         )
         F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
         U = V / width
-        W = F / (v[1] - v[0])
+        W = F / height
         size = np.hypot(U, W)
         arrows: dict[str, Any] = {
             "pivot": "mid",
@@ -228,7 +241,7 @@ def fig3() -> Figure:
             "headwidth": 4.5,
         }
         ax.quiver(X, V, U / size, W / size, zorder=1, **arrows)
-        place = (x[1] - 0.02 * width, (low + high) / 2)
+        place = (x_high - 0.02 * width, (low + high) / 2)
         box = dict(BOX, facecolor=SHADES[alpha - 1])
         ax.text(
             *place, rf"$\Omega_{alpha}$", ha="right", va="center", fontsize=11, bbox=box, zorder=5
@@ -238,11 +251,11 @@ def fig3() -> Figure:
         lo, hi = NEIGHBOURS[belt]
         ax.axhline(speed, color=BELT_COLOR, lw=LINE, zorder=2)
         ax.plot(zones[belt], [speed, speed], solid_capstyle="butt", zorder=3, **stick)
-        place = x[0] + 0.035 * width, speed
+        place = x_low + 0.035 * width, speed
         ax.text(
             *place, rf"$\partial\Omega_{{{lo}{hi}}}$", ha="left", va="center", bbox=BOX, zorder=5
         )
-    _prepare_phase_axes(ax, p, x, v)
+    _prepare_phase_axes(ax, p, (x_low, x_high), (v_low, v_high))
     key = [
         Line2D([], [], **stick),
         Line2D([], [], color=GREY, marker=r"$\rightarrow$", ls="", ms=8),
@@ -317,6 +330,8 @@ def fig4() -> Figure:
         for index, (marker, color) in zip((0, -1), ENDS, strict=True):
             ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
         returns = v[0] == v[-1] and not sticks
+        # The sample at which the arrow begins: in the middle, where a flight that returns has its
+        # name.
         if returns:
             head = count // 4
         else:
@@ -331,13 +346,14 @@ def fig4() -> Figure:
         }
         ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
         _, _, (across, up, dx, dy) = MAPPINGS[label]
+        # The sample beside which the name stands.
         if returns:  # at the farthest point from the belt
-            named = int(np.argmax(np.abs(v - v[0])))
+            name_at = int(np.argmax(np.abs(v - v[0])))
         else:
-            named = count // 2
+            name_at = count // 2
         ax.annotate(
             f"$P_{label[1:]}$",
-            (x[named], v[named]),
+            (x[name_at], v[name_at]),
             (dx, dy),
             textcoords="offset points",
             ha=across,
@@ -346,8 +362,9 @@ def fig4() -> Figure:
         )
     low = v1 - 0.8 * (v2 - v1)
     high = v2 + 0.85 * (v2 - v1)
-    left = ax.get_xlim()[0] - 1.0
-    right = ax.get_xlim()[1] + 1.8
+    x_low, x_high = ax.get_xlim()
+    left = x_low - 1.0
+    right = x_high + 1.8
     for alpha, edges in enumerate(((low, v1), (v1, v2), (v2, high)), 1):
         ax.axhspan(*edges, color=SHADES[alpha - 1], lw=0, zorder=0)
         place = right - 0.025 * (right - left), sum(edges) / 2

@@ -502,12 +502,13 @@ def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, flo
     magnified inset.
     """
     panel(ax, view)
+    abscissa, height = start
     low, high = ax.get_ylim()
     margin = 0.06 * (high - low)
-    ax.set_ylim(min(low, start[1] - margin), max(high, start[1] + margin))
+    ax.set_ylim(min(low, height - margin), max(high, height + margin))
     ax.plot(*start, "D", label="printed start", **START_STYLE)
-    crossing = min(view.trajectory.events, key=lambda event: abs(float(event.x) - start[0]))
-    distance = abs(float(crossing.x) - start[0])
+    crossing = min(view.trajectory.events, key=lambda event: abs(float(event.x) - abscissa))
+    distance = abs(float(crossing.x) - abscissa)
     if panel is not PANELS["c"] or distance > 0.02 * np.ptp(view.x):
         return
     inset = ax.inset_axes((0.33, 0.39, 0.42, 0.2))
@@ -521,10 +522,10 @@ def _draw_with_start(ax: Axes, view: View, panel: Panel, start: tuple[float, flo
     )
     inset.plot(*start, "D", **START_STYLE)
     inset.set(
-        xlim=start[0] + np.array([-3, 2]) * distance, ylim=start[1] + np.array([-40, 20]) * distance
+        xlim=abscissa + np.array([-3, 2]) * distance, ylim=height + np.array([-40, 20]) * distance
     )
     inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
-    inset.set_yticks([start[1]])
+    inset.set_yticks([height])
     ax.indicate_inset_zoom(inset, edgecolor="0.6", lw=0.5)
 
 
@@ -533,9 +534,10 @@ def orbit_caption(orbit: str) -> str:
     view = orbit_view(orbit)
     (_, T) = start_and_period(orbit)
     events = view.trajectory.events
-    once = [event for event in events if event.t < events[0].t + 0.999 * T]
+    # Those of one period, without the one that ends it.
+    events_of_period = [event for event in events if event.t < events[0].t + 0.999 * T]
     points = ", ".join(
-        f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in once
+        f"({number(float(event.t), 7)}, {number(float(event.x), 7)})" for event in events_of_period
     )
     return (
         f"The periodic orbit {load_scene(orbit).structure} with its period T = {number(T, 7)}. "
@@ -628,7 +630,7 @@ def window_caption(mapping: str) -> str:
     where = place(mapping)
     graze = window_graze(mapping)
     p, equality, free = window_parameters(mapping)
-    case = grazing_window(p, mapping).case.strip("()").partition(".")[2]
+    _, _, case = grazing_window(p, mapping).case.strip("()").partition(".")  # of "(55.1)"
     if graze is None:
         red = ""
     else:

@@ -31,7 +31,7 @@ from symosc.paper.claims import (
     PARTS,
     UNDECIDED,
 )
-from symosc.paper.run import ERROR, Results
+from symosc.paper.run import ERROR, Done, Results
 
 TEMPLATE = "paper/templates/report.html.j2"
 #: A word of its own for each verdict (used as a class name), and its sign: colour is never alone.
@@ -103,7 +103,7 @@ def data(results: Results) -> dict[str, Any]:
                 "subject": subject,
                 "number": number,
                 "title": CHAPTERS[subject],
-                "steps": done.value[0] if done.value else 0,
+                "steps": _step_count(done),
                 "file": f"report.html#derivation-{number}" if done.value else None,
                 "claims": [claim.id for claim in plan.claims if claim.derivation == subject],
                 "seconds": round(done.seconds, 3),
@@ -112,6 +112,14 @@ def data(results: Results) -> dict[str, Any]:
             if (done := results.chapters.get(subject))
         ],
     }
+
+
+def _step_count(chapter: Done) -> int:
+    """Return the number of steps of a chapter of derivations, 0 if it failed."""
+    if not chapter.value:
+        return 0
+    steps, _ = chapter.value
+    return int(steps)
 
 
 def files(results: Results) -> dict[str, str]:
@@ -123,7 +131,8 @@ def files(results: Results) -> dict[str, str]:
     # fig7-exact.
     groups: dict[str, list[dict[str, Any]]] = {}
     for figure in content["figures"]:
-        groups.setdefault(figure["key"].partition("-")[0].removeprefix("fig"), []).append(figure)
+        number, _, _ = figure["key"].removeprefix("fig").partition("-")
+        groups.setdefault(number, []).append(figure)
     context = content | {
         "parts": {
             part: PARTS[part] for part in PARTS if any(claim.part == part for claim in plan.claims)
@@ -137,7 +146,7 @@ def files(results: Results) -> dict[str, str]:
         "chapters": results.chapters,
         "font_style": Markup(font_style()),
     }
-    texts = {f"{FIGURES}/{key}.svg": each.svg for key, each in drawn.items()}
+    texts = {f"{FIGURES}/{key}.svg": picture.svg for key, picture in drawn.items()}
     texts["report.html"] = render(TEMPLATE, context, FILTERS)
     texts["report.json"] = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
     return texts

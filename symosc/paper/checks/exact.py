@@ -176,7 +176,7 @@ def contacts(
     def positive(top: int = 12) -> Fraction:
         return Fraction(draw.randint(1, top), draw.randint(1, 4))
 
-    drawn = []
+    rational_contacts = []
     (lo, hi) = NEIGHBOURS[boundary]
     for number in range(count):
         # 0 (twice as often): generic; 1, 3: F = 0 above; 2, 4: F = 0 below; 3, 4: G^(1) = 0 too.
@@ -192,7 +192,7 @@ def contacts(
             s, c = draw.choice(RATIONAL_PHASES)
         else:
             s, c = RATIONAL_PHASES[0]
-        if kind >= 3:  # G^(1) = 0 where F = 0: k v = -B0 Omega sin
+        if kind >= 3:  # the belt's speed for G^(1) = 0 where F = 0: k v = -B0 Omega sin
             v = -p.B0 * p.Omega * s / p.k
             if boundary == 1:
                 p = p.replace(v1=v, v2=v + 1)
@@ -203,8 +203,8 @@ def contacts(
         at_origin = origin.force(hi if kind % 2 else lo)
         if kind == 0:  # anywhere from far below the two forces' zeros to far above them
             at_origin -= (origin.force(lo) - origin.force(hi)) * Fraction(draw.randint(-5, 10), 5)
-        drawn.append(RationalContact(p, boundary, p.m * at_origin / p.k, s, c))
-    return tuple(drawn)
+        rational_contacts.append(RationalContact(p, boundary, p.m * at_origin / p.k, s, c))
+    return tuple(rational_contacts)
 
 
 def tally(cases: Iterable[Any], questions: Mapping[str, Callable[[Any], Any]]) -> dict[str, Any]:
@@ -234,6 +234,7 @@ def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]
     m, c, k, B0, Omega = (float(getattr(p, name)) for name in ("m", "c", "k", "B0", "Omega"))
     t0, x0, v0 = map(float, start)
     half = cmath.sqrt(c * c - 4 * m * k) / (2 * m)
+    # Roots that are closer are moved apart: two equal ones would need another formula.
     if abs(half) < FAR_APART * c / m:
         half = FAR_APART * c / m
     root_1 = -c / (2 * m) + half
@@ -244,14 +245,14 @@ def flow(p: Parameters, A: Any, start: Sequence[Any], t: Any) -> tuple[Any, Any]
         turning = amplitude * np.exp(1j * Omega * np.asarray(time))
         return float(A) / k + turning.real, (1j * Omega * turning).real
 
-    # The rest is a sum of exp(root t) with the values that the start demands.
+    # The transient is a sum of exp(root t) with the values that the start demands.
     x_s, v_s = steady(t0)
     start_1 = (v0 - v_s - root_2 * (x0 - x_s)) / (root_1 - root_2)
     start_2 = x0 - x_s - start_1
-    part_1 = start_1 * np.exp(root_1 * (np.asarray(t) - t0))
-    part_2 = start_2 * np.exp(root_2 * (np.asarray(t) - t0))
+    mode_1 = start_1 * np.exp(root_1 * (np.asarray(t) - t0))
+    mode_2 = start_2 * np.exp(root_2 * (np.asarray(t) - t0))
     x, v = steady(t)
-    return x + (part_1 + part_2).real, v + (root_1 * part_1 + root_2 * part_2).real
+    return x + (mode_1 + mode_2).real, v + (root_1 * mode_1 + root_2 * mode_2).real
 
 
 def dop853(
@@ -271,10 +272,12 @@ def dop853(
     A, m, c, k, B0, Omega = (float(value) for value in (constant, p.m, p.c, p.k, p.B0, p.Omega))
 
     def rates(t: float, y: np.ndarray) -> tuple[float, float]:
-        return y[1], (A + B0 * np.cos(Omega * t) - k * y[0] - c * y[1]) / m
+        x, v = y
+        return v, (A + B0 * np.cos(Omega * t) - k * x - c * v) / m
 
     def gap(t: float, y: np.ndarray) -> float:
-        return float(y[1] - until_speed)
+        _, v = y
+        return float(v - until_speed)
 
     gap.terminal = True  # type: ignore[attr-defined]
     tolerance = {"rtol": DOP853_TOLERANCE, "atol": DOP853_TOLERANCE}

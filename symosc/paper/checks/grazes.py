@@ -10,7 +10,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from math import cos, hypot, inf, pi, sin
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, minimize_scalar
@@ -199,7 +199,8 @@ def tangential(figure: Graze) -> Evidence:
     event = motion(scene).events[0]
     domain = figure.place.domain
     below, above, _ = forces(p, contact)
-    if domain == NEIGHBOURS[contact.belt][0]:
+    domain_below, _ = NEIGHBOURS[contact.belt]
+    if domain == domain_below:
         force = below
     else:
         force = above
@@ -226,8 +227,9 @@ def tangential(figure: Graze) -> Evidence:
     if not printed.events:
         finding += " With the printed parameters there is no contact at all."
     as_printed = bool(printed.events) and printed.events[0].kind == "graze"
-    held = verdict(as_printed or (grazes and figure.print_is_right), grazes)
-    return Evidence(held, finding, numbers | certificate_of(scene))
+    # Where the print is right, its rounding alone keeps the printed start from grazing.
+    judged = verdict(as_printed or (grazes and figure.print_is_right), grazes)
+    return Evidence(judged, finding, numbers | certificate_of(scene))
 
 
 def touches_once(figure: Graze) -> Evidence:
@@ -249,10 +251,12 @@ def touches_once(figure: Graze) -> Evidence:
         f"{text(path.events[0].t, 12)} only, where the mass meets the red point's curve, and never "
         f"again: later ẋ is at most {text(v, 5)}."
     )
-    as_printed, once = (
+    as_printed, touches = (
         [event.kind for event in trajectory.events] == ["graze"] for trajectory in (printed, path)
     )
-    return Evidence(verdict(as_printed, once and after < LATE), finding, numbers)
+    # The simulation covers the time until LATE, and the energy bound that from `after` on.
+    never_again = after < LATE
+    return Evidence(verdict(as_printed, touches and never_again), finding, numbers)
 
 
 def of_mapping(figure: Graze) -> Evidence:
@@ -286,7 +290,7 @@ def in_window(figure: Graze) -> Evidence:
     mapping = figure.mapping
     scene = exact(figure)
     window = grazing_window(p, mapping, "paper")
-    event = next(e for e in motion(scene).events if e.kind == "graze")
+    event = next(event for event in motion(scene).events if event.kind == "graze")
     contact = scene_contacts(scene)[0]
     inside = window.contains(figure.half_turns * mp_context(60).pi)
     touch = is_grazing(p, mapping, contact.x, contact.theta)
@@ -321,8 +325,8 @@ def same_point(figure: Graze) -> Evidence:
     the printed start.
     """
     path = motion(exact(figure), LATE)
-    change = returns(exact(figure), 1)[0]
-    printed = returns(figure.printed, 1)[0]
+    (change,) = returns(exact(figure), 1)
+    (printed,) = returns(figure.printed, 1)
     blue = path(float(path.t_start))
     green = path(float(path.t_start) + 2 * pi / float(figure.scene.parameters.Omega))
     same = max(map(abs, change)) <= LAST_HALF_UNIT
@@ -346,10 +350,12 @@ def periodic(figure: Graze) -> Evidence:
     """
     p = figure.scene.parameters
     scene = exact(figure)
-    changes = [hypot(*each) for each in returns(scene, 4)]
-    fixed = changes[0] <= LAST_HALF_UNIT
-    if changes[-2] > 0:
-        factor = changes[-1] / changes[-2]
+    changes = [hypot(dx, dv) for dx, dv in returns(scene, 4)]
+    first_change, second_change, third_change, last_change = changes
+    fixed = first_change <= LAST_HALF_UNIT
+    # A motion that approaches a periodic one changes from period to period by a factor below 1.
+    if third_change > 0:
+        factor = last_change / third_change
     else:
         factor = 0.0
     square = steady_square(p)
@@ -372,7 +378,8 @@ def periodic(figure: Graze) -> Evidence:
     else:
         description = "not periodic"
     finding = (
-        f"(x, ẋ) changes by {text(changes[0], 6)} over the first period, by {text(changes[1], 6)} "
+        f"(x, ẋ) changes by {text(first_change, 6)} over the first period, by "
+        f"{text(second_change, 6)} "
         f"over the next: {description}. The periodic motion has the velocity amplitude "
         f"√{text(square)} = {text(float(square) ** 0.5, 5)} and "
         f"{'can' if square >= level else 'never can'} touch v₁ = {text(p.v1)}, whatever A₀ is."
@@ -390,13 +397,15 @@ def not_at_belt(figure: Graze) -> Evidence:
     for scene, name in ((figure.printed, "as printed"), (exact(figure), "A₀ = 10, exact start")):
         level = float(scene.parameters.belt(belt))
         period = 2 * pi / float(scene.parameters.Omega)
-        velocities = [
-            float(motion(scene, LATE)(t)[1]) for t in (float(scene.t0), float(scene.t0) + period)
-        ]
+        path = motion(scene, LATE)
+        states = [path(t) for t in (float(scene.t0), float(scene.t0) + period)]
+        velocities = [float(v) for _, v in states]
         gaps += [abs(v - level) for v in velocities]
         numbers[f"ẋ at the blue and the green point, {name}"] = text(velocities, 10)
-    least = f"v{subscripted(belt)} by {text(min(gaps), 6)}"
-    finding = f"The velocities differ from {least} or more: these are no grazing points."
+    finding = (
+        f"The velocities differ from v{subscripted(belt)} by {text(min(gaps), 6)} or more: these "
+        "are no grazing points."
+    )
     return Evidence(verdict(min(gaps) > LAST_HALF_UNIT), finding, numbers)
 
 
@@ -412,9 +421,10 @@ def sticks_later(figure: Graze) -> Evidence:
     contacts = [
         [event for event in motion(scene).events if event.kind != "slip"] for scene in scenes
     ]
-    least = min(map(len, contacts))
-    if least < 2:
-        raise Refuted("No contact follows.", {"contacts": least})
+    fewest = min(map(len, contacts))
+    if fewest < 2:
+        raise Refuted("No contact follows.", {"contacts": fewest})
+    # The first contact is that of the red point.
     printed, true = (second for _, second, *_ in contacts)
     held = {(event.kind, event.boundary) for event in (printed, true)} == {("stick", belt)}
     numbers = {
@@ -597,10 +607,12 @@ def _grazes_exactly(figure: Graze, t_m: Fraction) -> tuple[bool, dict[str, str]]
         "contacts from it": contacts_text(path),
         "|ẋ − v_λ| + |x − xₘ| at the contact, in another closed form": f"{gap:.1g}",
     }
-    inside = all(
+    rounds_to_it = all(
         abs(value - getattr(scene, name)) <= LAST_HALF_UNIT for name, value in start.items()
     )
-    return inside and path.events[0].kind == "graze" and gap < 1e-9, numbers
+    grazes = path.events[0].kind == "graze"
+    is_confirmed = gap < 1e-9  # by the other closed form, in doubles
+    return rounds_to_it and grazes and is_confirmed, numbers
 
 
 # --- the search --- The starts at t0 from which a flow grazes are a curve in the plane (x0, v0),
@@ -687,6 +699,7 @@ def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
         + 2 * np.pi / float(scene.parameters.Omega) * np.arange(INSTANTS + 1) / INSTANTS
     )
     coarse = np.abs(starts_that_graze(scene, mapping, times) - printed).max(axis=0)
+    # Between the neighbours of a value that is no larger than theirs there is a local minimum.
     inner = coarse[1:-1]
     valleys = np.flatnonzero((inner <= coarse[:-2]) & (inner <= coarse[2:])) + 1
     if len(valleys):
@@ -706,12 +719,13 @@ def nearest_graze(scene: Scene, mapping: str) -> NearestGraze:
         sides: Sequence[float] = around
     else:
         sides = ()
-    box = [
+    # On both sides of the best time, where the start ceases to round to the printed one.
+    round_to_it = [
         float(brentq(lambda t: distance(t) - HALF_UNIT, *sorted((best, end)), xtol=1e-12))
         for end in sides
     ]
-    dx, dv = (starts_that_graze(scene, mapping, np.array([best])) - printed)[:, 0]
-    return NearestGraze(best, float(dx), float(dv), box)
+    (dx,), (dv,) = starts_that_graze(scene, mapping, np.array([best])) - printed
+    return NearestGraze(best, float(dx), float(dv), round_to_it)
 
 
 def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
@@ -725,14 +739,14 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
     else:
         reach = REACH * max(1.0, abs(printed))
     if name in START:
-        tried = (printed - reach, printed + reach)
+        span = (printed - reach, printed + reach)
     else:
-        tried = range_of(scene.parameters, name)
+        span = range_of(scene.parameters, name)
 
     def gap(value: float, **change: float) -> float:
-        return _gap(scene, mapping, {name: value} | change)[0]
+        return _peak(scene, mapping, {name: value} | change).beyond
 
-    values = np.unique([*np.linspace(*tried, VALUES), printed])
+    values = np.unique([*np.linspace(*span, VALUES), printed])
     gaps = [gap(float(value)) for value in values]
     grazing = []
     for i, (before, after) in enumerate(pairwise(gaps)):
@@ -740,8 +754,8 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
         if not before * after <= 0 or abs(before - after) > 10 * max(1.0, abs(printed)):
             continue
         root = float(brentq(gap, values[i], values[i + 1]))
-        left, t_m, inside = _gap(scene, mapping, {name: root})
-        if not inside or abs(left) > HALF_UNIT:
+        peak = _peak(scene, mapping, {name: root})
+        if not peak.may_graze or abs(peak.beyond) > HALF_UNIT:
             continue
         # Central differences: by how much the root moves with the other numbers of the printed
         # start.
@@ -754,16 +768,25 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
         slope = abs(gap(root + step) - gap(root - step)) / (2 * step)
         # A number of the start has the rounding of its own last digit too.
         uncertainty = HALF_UNIT * (by_start / slope + (name in START))
-        grazing.append(FreeValue(name, root, uncertainty, t_m))
+        grazing.append(FreeValue(name, root, uncertainty, peak.t))
     return grazing
 
 
-def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, float, bool]:
-    """Return how far the flow's peak is beyond the belt (< 0: short of it), its time, and whether
+class FlowPeak(NamedTuple):
+    """The peak of a flow: how far it is beyond the belt (< 0: short of it), its time, and whether
     it can be a graze.
 
-    For a graze the flow must be in the mapping's domain before. `change` gives some numbers of the
-    scene new values.
+    For a graze the flow must be in the mapping's domain before.
+    """
+
+    beyond: float
+    t: float
+    may_graze: bool
+
+
+def _peak(scene: Scene, mapping: str, change: dict[str, float]) -> FlowPeak:
+    """Return the peak of the flow from the scene's start; `change` gives some numbers of the scene
+    new values.
     """
     where = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
@@ -785,7 +808,7 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
     try:
         over = beyond(times)
     except ZeroDivisionError:  # resonance without a damper
-        return np.nan, np.nan, False
+        return FlowPeak(np.nan, np.nan, False)
     i = int(np.argmax(over))
     step = times[1] - times[0]
     around = times[i] - step, times[i] + step
@@ -797,5 +820,6 @@ def _gap(scene: Scene, mapping: str, change: dict[str, float]) -> tuple[float, f
         width = float(p.v2 - p.v1)
     else:
         width = inf
-    in_domain = bool(over[0] < 0 and i > 0 and np.all(over[: i + 1] > -width))
-    return -float(peak.fun), float(peak.x), in_domain
+    starts_below = over[0] < 0 and i > 0
+    in_domain = bool(starts_below and np.all(over[: i + 1] > -width))
+    return FlowPeak(-float(peak.fun), float(peak.x), in_domain)

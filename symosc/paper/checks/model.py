@@ -253,11 +253,13 @@ def stick_if_friction_holds() -> Evidence:
         grip = _friction_coefficient(p, b) * p.FN
         return abs(stick_force(p, b, contact.x, contact.c)) - grip
 
+    def is_held(contact: RationalContact) -> bool:
+        below, above = contact.forces
+        return below >= 0 >= above
+
     questions = {
         "rational contacts with both belts": lambda contact: True,
-        "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": lambda c: (
-            (excess(c) <= 0) != (c.forces[0] >= 0 >= c.forces[1])
-        ),
+        "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": lambda c: (excess(c) <= 0) != is_held(c),
         "|Fₛ| not μ FN, and the exact flow does otherwise": lambda c: (
             excess(c) and (excess(c) < 0) != c.sticks
         ),
@@ -312,6 +314,7 @@ def friction_coefficients_in_order() -> Evidence:
             for a, b in zip(original.events, image.events, strict=False)
         ]
     cases = [contact for belt in NEIGHBOURS for contact in contacts(belt, CASES, seed=20)]
+    # Forces and what the flow does where the order is the reverse one and no force is 0.
     reverse = [(*c.forces, c.sticks) for c in cases if c.p.mu1 < c.p.mu2 and all(c.forces)]
     wrong = sum((below > 0 > above) != sticks for below, above, sticks in reverse)
     numbers = {
@@ -321,8 +324,9 @@ def friction_coefficients_in_order() -> Evidence:
         "rational contacts with μ₁ < μ₂": len(reverse),
         "of them Theorem 4 wrong": wrong,
     }
-    needless = not different and not wrong and max(gaps) < 1e-9 and reverse
-    if needless:
+    mirrors_agree = not different and max(gaps) < 1e-9
+    theorem_holds = reverse and not wrong
+    if mirrors_agree and theorem_holds:
         finding = (
             f"It can be assumed, and nothing needs it: Theorem 4 holds at all {len(reverse)} exact "
             "contacts with μ₁ < μ₂, and the motions with μ₁ and μ₂ exchanged differ from the "
@@ -392,26 +396,22 @@ def five_motion_states() -> Evidence:
 def domains_and_boundaries() -> Evidence:
     """Check that by eqs. (6) and (7) every state is in exactly one domain or on one boundary."""
     draw = random.Random(6)
-    places = []
-    for p in (contact.p for contact in contacts(1, CASES, seed=3)):
+    # For each velocity all domains (1, 2, 3) and boundaries (12, 23) whose condition it fulfils.
+    memberships = []
+    for contact in contacts(1, CASES, seed=3):
+        p = contact.p
         middle = (p.v1 + p.v2) / 2
-        for v in (
-            p.v1,
-            p.v2,
-            middle,
-            middle + Fraction(draw.randint(-40, 40), 4),
-            p.v1 - 1,
-            p.v2 + 1,
-        ):
-            places.append(domain_of(p, v))
-    wrong = sum(len(place) != 1 for place in places)
-    on_boundary = sum(place in ([12], [23]) for place in places)
+        anywhere = middle + Fraction(draw.randint(-40, 40), 4)
+        velocities = (p.v1, p.v2, middle, anywhere, p.v1 - 1, p.v2 + 1)
+        memberships += [domain_of(p, v) for v in velocities]
+    wrong = sum(len(places) != 1 for places in memberships)
+    on_boundary = sum(places in ([12], [23]) for places in memberships)
     numbers = {
-        "velocities": len(places),
+        "velocities": len(memberships),
         "on a boundary": on_boundary,
         "in none or several places": wrong,
     }
-    finding = f"Each of {len(places)} velocities is in one domain or on one boundary."
+    finding = f"Each of {len(memberships)} velocities is in one domain or on one boundary."
     return evidence(not wrong, finding, numbers, DEFINITION)
 
 
@@ -426,9 +426,9 @@ def vector_fields() -> Evidence:
             vector_field(p, alpha, contact.x, contact.speed, contact.c) for alpha in contact.domains
         ]
         wrong += sum(field != force for field, force in zip(fields, contact.forces, strict=True))
-        jumps += (
-            fields[0] - fields[1] != 2 * _friction_coefficient(p, contact.boundary) * p.FN / p.m
-        )
+        below, above = fields
+        jump = 2 * _friction_coefficient(p, contact.boundary) * p.FN / p.m
+        jumps += below - above != jump
     total = 2 * len(cases)
     numbers = {
         "rational states and domains": total,
@@ -597,8 +597,11 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
         run = dop853(
             p, p.A(1), (t, t + 200 * pi / float(p.Omega)), (x, float(scene.v0)), until_speed=speed
         )
-        t = float(run.t_events[0][0])
-        x = float(run.y_events[0][0][0])
+        # The only event function, `gap`, is 0 once: there the integration ends.
+        ((t_contact,),) = run.t_events
+        (((x_contact, _),),) = run.y_events
+        t = float(t_contact)
+        x = float(x_contact)
 
     def forces(elapsed: Any) -> dict[int, Any]:
         return {
@@ -609,12 +612,14 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
     along = forces(grid)
     after = int(np.argmax((along[lo] < 0) | (along[hi] > 0)))  # the first instant without a hold
     if along[lo][after] < 0:
-        target = lo
+        slips_into = lo
     else:
-        target = hi
-    end = float(
-        brentq(lambda elapsed: forces(elapsed)[target], grid[after - 1], grid[after], xtol=1e-13)
-    )
+        slips_into = hi
+
+    def holding_force(elapsed: float) -> float:
+        return float(forces(elapsed)[slips_into])
+
+    end = float(brentq(holding_force, grid[after - 1], grid[after], xtol=1e-13))
     printed = stick_exit(p, boundary, x + speed * end, np.cos(float(p.Omega) * (t + end)))
     at_end = ", ".join(
         "0" if abs(value) < 1e-10 else f"{value:.6g}" for value in forces(end).values()
@@ -635,11 +640,11 @@ def governing_equations() -> Evidence:
     motions = [simulate(load_scene(name), max_events=40) for name in MAPPED_SCENES]
     # Segment i + 1 goes from event i to event i + 1.
     stretches = [
-        (motion.parameters.parameters, stretch)
+        (motion.parameters.parameters, segment, start, end)
         for motion in motions
-        for stretch in zip(motion.segments[1:], pairwise(motion.events), strict=False)
+        for segment, (start, end) in zip(motion.segments[1:], pairwise(motion.events), strict=False)
     ]
-    for p, (segment, (start, end)) in stretches:
+    for p, segment, start, end in stretches:
         label = str(segment.label)
         if label not in FLIGHTS:
             continue
@@ -655,9 +660,9 @@ def governing_equations() -> Evidence:
             run = dop853(
                 p, p.A(int(segment.mode[-1])), (float(start.t), t), (float(start.x), float(start.v))
             )
-            dop853_errors[label].append(
-                float(max(abs(run.y[0, -1] - x) / size_x, abs(run.y[1, -1] - v) / size_v))
-            )
+            x_end, v_end = run.y[:, -1]
+            error = max(abs(x_end - x) / size_x, abs(v_end - v) / size_v)
+            dop853_errors[label].append(float(error))
     # A kind of flight that does not occur counts as wrong.
     worst, by_dop853 = (
         {label: max(by_label[label], default=1.0) for label in FLIGHTS}
@@ -730,7 +735,8 @@ def bounded_motions() -> Evidence:
         begin = float(motion.t_start)
         end = float(motion.t_end)
         late = np.linspace(begin + 0.5 * (end - begin), end, 400)
-        reach = float(np.abs(motion(late)[0]).max())
+        x, _ = motion(late)
+        reach = float(np.abs(x).max())
         bound = position_bound(scene.parameters)
         within += reach <= bound
         numbers[f"{name}: largest |x| in the second half of 30 periods, bound"] = (
@@ -740,10 +746,10 @@ def bounded_motions() -> Evidence:
     p = load_scene("fig8").parameters.replace(c=0, mu1="0.1", mu2="0.1", FN=10, B0=16)
     period = 2 * pi / float(p.Omega)
     motion = simulate(p, t0=0, x0=0, v0=0, t_end=41 * period, max_events=400)
-    growth = [
-        float(np.abs(motion(np.linspace(n * period, (n + 1) * period, 200))[0]).max())
-        for n in (10, 20, 40)
-    ]
+    growth = []
+    for n in (10, 20, 40):
+        x, _ = motion(np.linspace(n * period, (n + 1) * period, 200))
+        growth.append(float(np.abs(x).max()))
     swings = ", ".join(f"{value:.4g}" for value in growth)
     numbers["undamped at resonance, c = 0, Ω² = k/m: largest |x| in periods 10, 20, 40"] = swings
     finding = (
@@ -751,5 +757,7 @@ def bounded_motions() -> Evidence:
         "gives, which holds for every motion with c, k > 0 (one kind in each of three domains). "
         f"Without a damper, at resonance, the swings grow: {swings}."
     )
-    grows = growth[1] > 1.5 * growth[0] and growth[2] > 1.5 * growth[1]
+    # Twice as many periods make the swings about twice as large.
+    after_10, after_20, after_40 = growth
+    grows = after_20 > 1.5 * after_10 and after_40 > 1.5 * after_20
     return evidence(within == len(STATES) and grows, finding, numbers)

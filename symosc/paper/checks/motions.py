@@ -307,11 +307,12 @@ def stretches_of(path: Trajectory | PeriodicOrbit) -> list[Stretch]:
     p = path.parameters
     states: list[tuple[Any, ...]]
     if isinstance(path, Trajectory):
+        # Places as in `Stretch`: the number of a domain, or minus that of a belt.
         modes = [segment.mode for segment in path.segments]
         places = [int(mode[-1]) * (-1 if mode.startswith("belt") else 1) for mode in modes]
         states = [
             (path.t_start, *path(path.t_start)),
-            *((e.t, e.x, e.v) for e in path.events[: len(places)]),
+            *((event.t, event.x, event.v) for event in path.events[: len(places)]),
         ]
         if len(places) == len(states):  # the last stretch ends without a contact
             states.append((path.t_end, *path(path.t_end)))
@@ -341,13 +342,14 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
     contradictions = 0
     for stretch in stretches:
         (t0, x0, v0) = stretch.start
-        (t1, x1, v1) = stretch.end
-        t = np.linspace(t0, t1, SAMPLES)
+        (t_end, x_end, v_end) = stretch.end
+        t = np.linspace(t0, t_end, SAMPLES)
         if stretch.place > 0:
             x, v = flow(p, p.A(stretch.place), stretch.start, t)
-            # Domain n is between edges n - 1 and n.
-            edges = -np.inf, float(p.v1), float(p.v2), np.inf
-            margin = np.minimum(v - edges[stretch.place - 1], edges[stretch.place] - v)
+            v1 = float(p.v1)
+            v2 = float(p.v2)
+            low, high = {1: (-np.inf, v1), 2: (v1, v2), 3: (v2, np.inf)}[stretch.place]
+            margin = np.minimum(v - low, high - v)
         else:
             belt = -stretch.place
             x = x0 + v0 * (t - t0)
@@ -355,7 +357,7 @@ def fly_again(p: Parameters, stretches: list[Stretch]) -> tuple[float, int]:
             lo, hi = NEIGHBOURS[belt]
             margin = np.minimum(field(p, lo, t, x, v), -field(p, hi, t, x, v))
         size = max(1.0, float(np.abs(x).max()), float(np.abs(v).max()))
-        differences.append(max(abs(float(x[-1]) - x1), abs(float(v[-1]) - v1)) / size)
+        differences.append(max(abs(float(x[-1]) - x_end), abs(float(v[-1]) - v_end)) / size)
         contradictions += int(margin.min() < -AGREEMENT * size)
     contradictions += sum(
         not _follows(p, before.end, after.place) for before, after in pairwise(stretches)
@@ -452,8 +454,8 @@ def together(scene: Scene, belt: int) -> Evidence:
     """
     stick = first_stick(scene, belt)
     p = scene.parameters
-    most = (p.mu1 if belt == 1 else p.mu2) * p.FN
-    grip = number(p, most)
+    most_friction = (p.mu1 if belt == 1 else p.mu2) * p.FN
+    grip = number(p, most_friction)
     m = number(p, p.m)
     # The force of (2) on the mass is m F^(below) - mu FN.
     needed = [m * both.below - grip for both in forces_along(p, stick)]
@@ -468,7 +470,7 @@ def together(scene: Scene, belt: int) -> Evidence:
     finding = (
         f"For {text(duration, 11)} the mass moves with belt {belt}, both by {text(distance, 11)}. "
         f"The static friction that this needs stays within μ{subscripted(belt)} F_N = "
-        f"{text(most)}{used_up}."
+        f"{text(most_friction)}{used_up}."
     )
     numbers = {
         "t of the blue and of the green point": text((stick.onset.t, stick.end.t), 20),
@@ -488,8 +490,8 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
     domains = NEIGHBOURS[belt]
     along = forces_along(scene.parameters, stick)
     *during, last = along
-    held = all(both.below > NO_FORCE and both.above < -NO_FORCE for both in during)
-    held = held and last.below > -NO_FORCE and last.above < NO_FORCE
+    held_during = all(both.below > NO_FORCE and both.above < -NO_FORCE for both in during)
+    held_at_end = last.below > -NO_FORCE and last.above < NO_FORCE
     lowest = min(both.below for both in along)
     highest = max(both.above for both in along)
     finding = (
@@ -504,7 +506,7 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
         )
         for both in along
     }
-    return evidence(held, finding, numbers)
+    return evidence(held_during and held_at_end, finding, numbers)
 
 
 def ends_below(scene: Scene, belt: int) -> Evidence:
@@ -581,6 +583,7 @@ def product_after(scene: Scene, belt: int) -> Evidence:
         since + (until - since) * (j + 1) / (PRODUCT_SAMPLES + 1) for j in range(PRODUCT_SAMPLES)
     ]
     products = [product(t) for t in times]
+    # The first sample whose product has another sign than the one before.
     turn = next(
         (j for j in range(1, PRODUCT_SAMPLES) if (products[j] > 0) != (products[j - 1] > 0)), None
     )
@@ -595,10 +598,11 @@ def product_after(scene: Scene, belt: int) -> Evidence:
     finding = f"The product has one sign from the green point until t = {text(until, 8)}."
     if turn is not None:
         zero = brentq(product, times[turn - 1], times[turn], xtol=1e-14)
+        _, v_zero = path(zero)
         numbers["the product changes its sign at t"] = f"{zero:.12g} (to 1e-12)"
         finding = (
             f"The product is positive only until t = {zero:.10g}, {zero - since:.7g} after the "
-            f"green point: there ẋ has its extremum {path(zero)[1]:.7g} and {force_names(lo)} "
+            f"green point: there ẋ has its extremum {v_zero:.7g} and {force_names(lo)} "
             f"changes its sign. At the next contact, t = {text(until, 8)}, the product is "
             f"{'negative' if products[-1] < 0 else 'positive'}."
         )
@@ -669,7 +673,8 @@ def weight(scenes: tuple[Scene, ...]) -> Evidence:
     unequal = [name for name in weights if name not in equal]
     finding = f"No equation contains g. F_N = m g in {', '.join(equal) or 'no figure'}"
     if unequal:
-        ratios = text((float(weights[name][0] / weights[name][1]) for name in unequal), 4)
+        unequal_weights = [weights[name] for name in unequal]
+        ratios = text((float(force / weight_force) for force, weight_force in unequal_weights), 4)
         finding += f"; in {', '.join(unequal)} F_N is {ratios} times the weight"
     numbers = {f"{name}: F_N, m g": text(pair) for name, pair in weights.items()}
     return Evidence(verdict(equal), f"{finding}.", numbers)
@@ -695,12 +700,12 @@ def force_products(scenes: tuple[Scene, ...]) -> Evidence:
         one_vanishes = all(is_zero(end.below) != is_zero(end.above) for end in ends)
         held = held and max(starts) < 0 and one_vanishes
         count += len(ended)
-        least = max(min(abs(end.below), abs(end.above)) for end in ends)
+        vanishing = max(min(abs(end.below), abs(end.above)) for end in ends)
         numbers[f"{name}: sticks"] = str(len(ended))
         numbers[f"{name}: product where they start"] = (
             f"{text(min(starts), 8)} to {text(max(starts), 8)}"
         )
-        numbers[f"{name}: the force that vanishes where they end"] = f"at most {text(least, 2)}"
+        numbers[f"{name}: the force that vanishes where they end"] = f"at most {text(vanishing, 2)}"
     if not count:
         return Evidence(UNDECIDED, "There is no stick.", {"sticks": "0"})
     finding = f"All {count} sticks start with a negative product and end with exactly one force 0."

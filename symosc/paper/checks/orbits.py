@@ -336,26 +336,25 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
     points.append((x, theta + Omega * orbit.period))
     # The unknowns are x and theta at the n + 1 points. Two rows for each mapping, (54), and two
     # that close the orbit: the last point is the first one, a period later.
-    rows = np.zeros((2 * count + 2, 2 * count + 2))
+    all_rows = np.zeros((2 * count + 2, 2 * count + 2))
     for i, label in enumerate(orbit.labels):
-        rows[2 * i : 2 * i + 2, 2 * i : 2 * i + 4] = jacobian(
-            p, label, points[i], points[i + 1]
-        ).astype(float)
-    rows[-2:, :2] = -np.eye(2)
-    rows[-2:, -2:] = np.eye(2)
+        block = jacobian(p, label, points[i], points[i + 1])  # 2 x 4: f1, f2 by both points
+        all_rows[2 * i : 2 * i + 2, 2 * i : 2 * i + 4] = block.astype(float)
+    all_rows[-2:, :2] = -np.eye(2)
+    all_rows[-2:, -2:] = np.eye(2)
     if closed:
-        printed = rows
+        printed = all_rows
     else:
-        printed = rows[: 2 * count]
-    rank, full_rank = (int(np.linalg.matrix_rank(matrix)) for matrix in (printed, rows))
+        printed = all_rows[: 2 * count]
+    rank, full_rank = (int(np.linalg.matrix_rank(matrix)) for matrix in (printed, all_rows))
     contacts = [
         start_contact(scene, motion(scene).events[0].boundary),
         *scene_contacts(scene)[:count],
     ]
-    residuals = [
-        max(map(abs, residual(p, label, (a.x, Omega * a.t), (b.x, Omega * b.t))))
-        for label, (a, b) in zip(motion(scene).word[:count], pairwise(contacts), strict=True)
-    ]
+    residuals = []
+    for label, (start, end) in zip(motion(scene).word[:count], pairwise(contacts), strict=True):
+        f = residual(p, label, (start.x, Omega * start.t), (end.x, Omega * end.t))
+        residuals.append(max(map(abs, f)))
     equations, unknowns = printed.shape
     free = unknowns - rank
     numbers = {
@@ -596,24 +595,31 @@ def _search_parameter(scene: Scene, name: str) -> Nearest:
     sizes = np.abs(misses).max(axis=1)
     best = misses[sizes.argmin()]
     value = float(values[sizes.argmin()])
-    orbit = False
+    is_orbit = False
+    # Local minima: no larger than the neighbours, which the ends lack on one side.
     padded = np.array([inf, *sizes, inf])
     valleys = np.flatnonzero((sizes <= padded[:-2]) & (sizes <= padded[2:]) & (sizes < inf))
+
+    def miss_at(number: float) -> Any:
+        (miss,) = _misses(scene, name, np.array([number]))
+        return miss
+
     for i in valleys[np.argsort(sizes[valleys])][:VALLEYS]:
         around = float(values[max(i - 1, 0)]), float(values[min(i + 1, len(values) - 1)])
-        nearest, miss = _least(lambda number: _misses(scene, name, np.array([number]))[0], around)
+        nearest, miss = _least(miss_at, around)
         if np.abs(miss).max() < ORBIT_NEAR:
+            # So near that there is an orbit: its own distance from the start is smaller still.
             nearest, gap = _least(lambda number: _gap(scene, name, number), around)
             if np.abs(gap).max() < np.abs(best).max():
                 best = gap
                 value = nearest
-                orbit = True
+                is_orbit = True
         elif np.abs(miss).max() < np.abs(best).max():
             best = miss
             value = nearest
-    return Nearest(
-        name, value, float(best[0]), float(best[1]), orbit, (float(values[0]), float(values[-1]))
-    )
+    dt, dx = map(float, best)
+    span = (float(values[0]), float(values[-1]))
+    return Nearest(name, value, dt, dx, is_orbit, span)
 
 
 def _least(

@@ -232,8 +232,9 @@ def window(mapping: str, *scenes: str) -> Evidence:
             f"; at the other {len(wrong)} the flow grazes to fourth order, at the phase that they "
             "exclude"
         )
-    # `all(counts.values())`: each case has contacts.
-    right_elsewhere = not generic and not mismatches and all(counts.values()) and all(ends)
+    each_case_has_contacts = all(counts.values())
+    flow_agrees = not generic and not mismatches
+    right_elsewhere = flow_agrees and each_case_has_contacts and all(ends)
     return evidence(right_elsewhere, f"{finding}.", numbers, verdict(not wrong, corrected=True))
 
 
@@ -291,8 +292,9 @@ def negative_drive() -> Evidence:
     wrong = 0
     without = 0
     total = 0
+    drives = (-DRIVES[0], Fraction(0))  # one below 0, and none
     for mapping, where in PLACES.items():
-        rows = [row for row in rows_of(mapping, (-DRIVES[0], Fraction(0))) if not row.fourth_order]
+        rows = [row for row in rows_of(mapping, drives) if not row.fourth_order]
         wrong_cases = [row.case for row in rows if row.case and not row.right]
         cases = ", ".join(f"({where.equation}.{case})" for case in sorted(set(wrong_cases)))
         numbers[f"cases of ({where.equation}) that hold for B₀ ≤ 0 and are wrong"] = cases or "none"

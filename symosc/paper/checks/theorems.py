@@ -158,19 +158,22 @@ def reduced_g_functions() -> Evidence:
     boundary = _vector("b", t)
     # The boundary flow stays in the plane, n . b = const: one component of it follows from the
     # others.
-    last = (height - sum(n[i] * boundary[i] for i in range(DIMENSION - 1))) / n[DIMENSION - 1]
-    rests = [
-        sp.simplify(
-            value.subs({boundary[DIMENSION - 1]: last}).doit() - (n.T * flow.diff(t, order))[0]
-        )
-        for order, value in enumerate(g_functions(n, flow - boundary, t), 1)
-    ]
-    numbers = {f"({14 + i}) minus ({17 + i})": rest for i, rest in enumerate(rests, 1)}
+    last = DIMENSION - 1
+    last_component = (height - sum(n[i] * boundary[i] for i in range(last))) / n[last]
+    differences = []
+    for order, value in enumerate(g_functions(n, flow - boundary, t), 1):
+        (reduced,) = n.T * flow.diff(t, order)
+        in_plane = value.subs({boundary[last]: last_component}).doit()
+        differences.append(sp.simplify(in_plane - reduced))
+    # (15) and (16) against (18) and (19).
+    numbers = {
+        f"({14 + i}) minus ({17 + i})": difference for i, difference in enumerate(differences, 1)
+    }
     finding = (
         "With n constant (15) and (16) are nᵀ(ẋ⁽ᵅ⁾ − ẋ⁽⁰⁾) and nᵀ(ẍ⁽ᵅ⁾ − ẍ⁽⁰⁾); x⁽⁰⁾ stays in the "
         "plane nᵀx = const, so that nᵀẋ⁽⁰⁾ = nᵀẍ⁽⁰⁾ = 0, and (18) and (19) remain."
     )
-    return evidence(not any(rests), finding, numbers)
+    return evidence(not any(differences), finding, numbers)
 
 
 def boundary_dimension() -> Evidence:
@@ -180,7 +183,8 @@ def boundary_dimension() -> Evidence:
     numbers = {}
     inside = True
     for boundary in (1, 2):
-        points = np.array([(float(x), float(contacts(boundary)[0].speed)) for x in range(-3, 4)])
+        contact = contacts(boundary)[0]  # any one: its belt's speed is what counts
+        points = np.array([(float(x), float(contact.speed)) for x in range(-3, 4)])
         rank = int(np.linalg.matrix_rank(points - points[0]))
         inside = inside and points.shape[1] == rank
         numbers[f"belt {boundary}: coordinates of a point, dimension of the boundary"] = (
@@ -465,11 +469,16 @@ def no_repelling_boundary() -> Evidence:
     """
     stick_by_4 = CONDITIONS["sticks, (26), (27)"]
     pass_by_5 = CONDITIONS["passes, (34), (35)"]
+
+    def repels(forces: tuple[Fraction, Fraction]) -> bool:
+        below, above = forces
+        return below < 0 < above
+
     questions: dict[str, Callable[[Any], Any]] = {
         "rational contacts with no force 0": lambda forces: True,
         "stick by Theorem 4": lambda forces: stick_by_4(*forces),
         "pass by Theorem 5": lambda forces: pass_by_5(*forces),
-        "leave on both sides (F⁽ˡᵒ⁾ < 0 < F⁽ʰⁱ⁾)": lambda forces: forces[0] < 0 < forces[1],
+        "leave on both sides (F⁽ˡᵒ⁾ < 0 < F⁽ʰⁱ⁾)": repels,
         "covered by neither theorem": lambda forces: (
             not (stick_by_4(*forces) or pass_by_5(*forces))
         ),
