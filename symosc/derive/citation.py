@@ -96,20 +96,26 @@ def reference_line(key: str) -> str:
 
 
 def _authors_text(text: str) -> str:
-    if text.startswith("{"):
+    """Return the author field of BibTeX, such as "Luo, Albert C. J. and Gegg, Brandon C.", as
+    "A.~C.~J.~Luo and B.~C.~Gegg".
+    """
+    if text.startswith("{"):  # an organisation
         return text.strip("{}")
     people = []
     for person in text.split(" and "):
         family, _, forenames = person.partition(", ")
-        names = (part.split("-") for part in forenames.split(" "))
-        initials = "~".join(
-            "-".join(part if part.endswith(".") else f"{part[0]}." for part in parts)
-            for parts in names
-        )
+        initials = "~".join(map(_initials, forenames.split(" ")))
         people.append(f"{initials}~{family}")
-    if len(people) == 1:
-        return people[0]
-    return f"{', '.join(people[:-1])} and {people[-1]}"
+    *others, last_person = people
+    if not others:
+        return last_person
+    return f"{', '.join(others)} and {last_person}"
+
+
+def _initials(forename: str) -> str:
+    """Return the initials of a forename, such as J.-P. of Jean-Pierre."""
+    words = forename.split("-")
+    return "-".join(word if word.endswith(".") else f"{word[0]}." for word in words)
 
 
 def reference_list(keys: list[str]) -> str:

@@ -147,6 +147,7 @@ def check(key: str, title: str, items: list[Any], progress: Progress | None = No
                 raise StepError(f"{key}, step {done}: {error.statement}", error.reason) from None
             if progress:
                 progress(key, done, total)
+        # A sentence with steps may have no number in it that no step checks.
         if checked:
             loose_numbers = untied(sentence_of(item), getattr(item, "facts", ()))
             if loose_numbers:
@@ -203,13 +204,13 @@ def sentence_of(item: Any) -> str:
 
 def untied(text: str, statements: Iterable[Step]) -> list[str]:
     """Return the numbers in a text's formulas that are in none of the statements that belong to it."""
-    checked_numbers = {
-        Fraction(number[0])
-        for statement in statements
-        for side in (statement.left, statement.right)
-        for number in numbers_in(f"${latex(side, statement.decimals)}$")
-    }
-    return [number[0] for number in numbers_in(text) if Fraction(number[0]) not in checked_numbers]
+    checked_numbers = set()
+    for statement in statements:
+        for side in (statement.left, statement.right):
+            formula = f"${latex(side, statement.decimals)}$"
+            checked_numbers |= {Fraction(match[0]) for match in numbers_in(formula)}
+    texts = [match[0] for match in numbers_in(text)]
+    return [text for text in texts if Fraction(text) not in checked_numbers]
 
 
 # --- numbers and references: LaTeX counts for itself, HTML takes the numbers from here ---
@@ -513,9 +514,10 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
     """
 
     def link(label: str, shown: str) -> str:
-        kind = label.partition(":")[0]
+        kind, _, _ = label.partition(":")
+        anchor = "step" if kind == "eq" else kind
         number = shown.strip("()")
-        return rf"\hyperlink{{{'step' if kind == 'eq' else kind}-{number}}}{{{shown}}}"
+        return rf"\hyperlink{{{anchor}-{number}}}{{{shown}}}"
 
     def html(text: str) -> str:
         text = resolved(text, numbers, link)
@@ -527,9 +529,10 @@ def _converter(numbers: dict[str, str]) -> ToHtml:
 
 
 def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
+    """Return steps that stand below each other as a table: left side, right side, number."""
     body = list[str]()
     for part, printed in _rows(display, scope):
-        *above, last = (
+        *above, (last_left, last_right) = (
             [formula(side, display=True) if side else "" for side in line.split("&")]
             for line in printed
         )
@@ -539,9 +542,11 @@ def _display_html(display: list[Part], scope: Scope, html: ToHtml) -> str:
             remark = f' <span class="remark">{html(part.item.note)}</span>'
         else:
             remark = ""
-        label = f'<td title="{part.steps[0][1].kind}">({part.number}&nbsp;{part.marks})</td>'
+        ((_, evidence),) = part.steps  # a displayed part is one step
+        label = f'<td title="{evidence.kind}">({part.number}&nbsp;{part.marks})</td>'
         body.append(
-            f'<tr id="step-{part.number}"><td>{last[0]}</td><td>{last[1]}{remark}</td>{label}</tr>'
+            f'<tr id="step-{part.number}"><td>{last_left}</td><td>{last_right}{remark}</td>'
+            f"{label}</tr>"
         )
     return '<div class="wide"><table class="steps">\n' + "\n".join(body) + "\n</table></div>"
 

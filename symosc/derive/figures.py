@@ -35,12 +35,13 @@ def friction(axes: Axes) -> None:
     v2 = 3.0
     mu1 = 1.0
     mu2 = 0.55
-    levels = mu1 + mu2, mu2 - mu1, -mu1 - mu2
+    # Below v1, between the belts' speeds, and above v2.
+    low, middle, high = levels = mu1 + mu2, mu2 - mu1, -mu1 - mu2
     for ends, level in zip(((-1, v1), (v1, v2), (v2, 5)), levels, strict=True):
         axes.plot(ends, [level] * 2, color=DARK, linewidth=1.6)
-    for place, *jump in ((v1, *levels[:2]), (v2, *levels[1:])):
-        axes.plot([place] * 2, jump, color=DARK, linewidth=3.2, solid_capstyle="butt")
-        axes.axvline(place, color=GREY, linewidth=0.5, linestyle=":")
+    for speed, jump in ((v1, (low, middle)), (v2, (middle, high))):
+        axes.plot([speed] * 2, jump, color=DARK, linewidth=3.2, solid_capstyle="butt")
+        axes.axvline(speed, color=GREY, linewidth=0.5, linestyle=":")
     axes.axhline(0, color=GREY, linewidth=0.5)
     axes.set_xticks([v1, v2], ["$v_1$", "$v_2$"])
     axes.set_yticks(levels, [r"$(\mu_1+\mu_2)F_N$", r"$-(\mu_1-\mu_2)F_N$", r"$-(\mu_1+\mu_2)F_N$"])
@@ -75,18 +76,25 @@ def windows(axes: Axes) -> None:
     """
     theta = np.linspace(0, 2 * np.pi, 721)
     sine = np.sin(theta)
-    critical = np.arcsin(-0.5)
+    critical_sine = -0.5  # -gamma/a
+    critical = np.arcsin(critical_sine)
     axes.plot(theta, sine, color=DARK, label=r"$\sin\theta$")
     axes.axhline(
-        -0.5,
+        critical_sine,
         color=GREY,
         linewidth=0.8,
         linestyle="--",
         label=r"$-\gamma/a = \sin\Theta^{\mathrm{cr}}$",
     )
-    axes.fill_between(theta, -0.5, sine, where=sine > -0.5, color=LIGHT, label="$P_2$, $P_5$ graze")
+    above = sine > critical_sine
+    below = sine < critical_sine
+    axes.fill_between(
+        theta, critical_sine, sine, where=above, color=LIGHT, label="$P_2$, $P_5$ graze"
+    )
     hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": GREY, "hatch": "////"}
-    axes.fill_between(theta, -0.5, sine, where=sine < -0.5, label="$P_3$, $P_6$ graze", **hatched)
+    axes.fill_between(
+        theta, critical_sine, sine, where=below, label="$P_3$, $P_6$ graze", **hatched
+    )
     names = [
         "0",
         r"$\pi/2$",
@@ -96,7 +104,7 @@ def windows(axes: Axes) -> None:
         r"$2\pi$",
     ]
     axes.set_xticks([0, np.pi / 2, np.pi, np.pi - critical, 2 * np.pi + critical, 2 * np.pi], names)
-    axes.plot([np.pi - critical, 2 * np.pi + critical], [-0.5] * 2, **POINT)
+    axes.plot([np.pi - critical, 2 * np.pi + critical], [critical_sine] * 2, **POINT)
     axes.set(xlabel=r"$\theta$", xlim=(0, 2 * np.pi), ylim=(-1.15, 1.15), yticks=[-1, 0, 1])
 
 

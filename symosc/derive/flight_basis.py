@@ -28,10 +28,12 @@ def flight_basis(p: Parameters) -> Callable[[Any], list[Any]]:
         numbers[letter] = _function(tuple(values), meaning)(*(numbers[name] for name in values))
     closed = regime.basis()
     letters = (solution.tau, *numbers)
-    forms = _function(letters, [closed[name] for name in solution.BASIS[:3]])
+    closed_forms = _function(
+        letters, [closed[name] for name in (solution.E0, solution.E1, solution.E2)]
+    )
 
     def basis(time: Any) -> list[Any]:
-        return [number(value) for value in forms(number(time), *numbers.values())]
+        return [number(value) for value in closed_forms(number(time), *numbers.values())]
 
     return basis
 

@@ -273,6 +273,7 @@ def _theorem(name: str, scope: FragmentScope) -> Items:
 
 
 def _theorem7(scope: FragmentScope) -> Items:
+    """Return the items that state Theorem 7: the table of windows, and those of the scope's numbers."""
     *letters, place = grazing.contact_steps()
     table = grazing.windows_table("theorem7")
     windows = list(_windows_in_numbers(scope))
@@ -300,6 +301,7 @@ def _theorem7(scope: FragmentScope) -> Items:
 
 
 def _saltation(scope: FragmentScope) -> Items:
+    """Return the items that state the saltation matrices, and the matrix between events."""
     ratios = [
         item for item in flat(jacobians.saltation()) if isinstance(item, Step) and item.op != "="
     ]
@@ -379,6 +381,7 @@ def _motion(scope: FragmentScope) -> Items:
 
 
 def _flight_map(label: str, scope: FragmentScope) -> Items:
+    """Return the items that state the equations of a flight, the mapping `label`."""
     row = MAPS[label]
     start = BELTS[row.start.boundary]
     end = BELTS[row.end.boundary]
@@ -414,6 +417,7 @@ def _flight_map(label: str, scope: FragmentScope) -> Items:
 
 
 def _stick_map(label: str, scope: FragmentScope) -> Items:
+    """Return the items that state the equations of a stick, the mapping `label`."""
     belt = MAPS[label].start.boundary
     speed = BELTS[belt]
     plane = rf"\Sigma^{{0}}_{{({belt})}}"

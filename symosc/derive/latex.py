@@ -43,11 +43,13 @@ def width(text: str) -> float:
         if token == "{":
             return group()
         if token in (r"\frac", r"\tfrac"):
-            return (0.8 if token == r"\tfrac" else 1.0) * max(
-                item(next(tokens, "")), item(next(tokens, ""))
-            ) + 0.5
+            above = item(next(tokens, ""))
+            below = item(next(tokens, ""))
+            scale = 0.8 if token == r"\tfrac" else 1.0
+            return scale * max(above, below) + 0.5
         if token in ("^", "_", r"\operatorname", r"\mathrm", r"\text", r"\dot", r"\ddot"):
-            return (0.75 if token in "^_" else 1.0) * item(next(tokens, ""))
+            scale = 0.75 if token in "^_" else 1.0
+            return scale * item(next(tokens, ""))
         if token:
             return _WIDTHS.get(token, 1.7 if token.isupper() or token == "m" else 1.1)
         return 0.0
@@ -70,9 +72,10 @@ def lines(statement: Step, decimals: bool = False, left_width: float | None = No
     """
     left = latex(statement.left, decimals)
     right = latex(statement.right, decimals)
-    room = max(
-        LINE_WIDTH - 4.0 - (width(left) if left_width is None else left_width), 0.3 * LINE_WIDTH
-    )
+    if left_width is None:
+        left_width = width(left)
+    # What the left column, the sign and the number leave, but never less than a part of the line.
+    room = max(LINE_WIDTH - 4.0 - left_width, 0.3 * LINE_WIDTH)
     rows = [right]
     if isinstance(statement.right, sp.Expr) and width(right) > room:
         first, *later_pieces = _pieces(statement.right, decimals, room)
@@ -80,10 +83,12 @@ def lines(statement: Step, decimals: bool = False, left_width: float | None = No
         for piece in later_pieces:
             joined = f"{rows[-1]} {piece}"
             if width(joined) <= room:
-                rows[-1:] = [joined]
+                rows[-1] = joined
             else:
-                rows[-1:] = [rows[-1], piece]
-    return [f"{left} &{OPERATORS[statement.op]} {rows[0]}", *(rf"&\quad {row}" for row in rows[1:])]
+                rows.append(piece)
+    first_row, *later_rows = rows
+    first_line = f"{left} &{OPERATORS[statement.op]} {first_row}"
+    return [first_line, *(rf"&\quad {row}" for row in later_rows)]
 
 
 def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
@@ -98,10 +103,10 @@ def _pieces(expr: Expr, decimals: bool, room: float) -> list[str]:
         if width(text) <= room or not sums:
             pieces.append(text)
             continue
+        # The widest sum is broken inside its parentheses; the other factors stand before it.
         longest = max(sums, key=lambda factor: width(latex(factor, decimals)))
-        factor_text = {"1": "", "- 1": "- "}.get(
-            outside := latex(term / longest, decimals), outside
-        )
+        others = latex(term / longest, decimals)
+        factor_text = {"1": "", "- 1": "- "}.get(others, others)
         if factor_text or pieces:
             head = _signed(factor_text, not pieces)
         else:

@@ -53,8 +53,9 @@ def words(text: str) -> str:
     text = ITEMS.sub(
         lambda match: rf"\OPENLIST {ITEM.sub(ITEM_MARK, match[2].strip())} \CLOSELIST", text
     )
-    parts = enumerate(text.split("$"))
-    html = "".join(formula(part) if odd % 2 else _plain_text(part) for odd, part in parts)
+    # Pieces of text and formulas alternate between the dollars.
+    pieces = enumerate(text.split("$"))
+    html = "".join(formula(piece) if i % 2 else _plain_text(piece) for i, piece in pieces)
     # No line begins with the comma after a formula.
     html = re.sub(r"(<math(?:(?!<math).)*</math>[,.;:)]+)", r'<span class="tight">\1</span>', html)
     remaining_letters = iter(letters)

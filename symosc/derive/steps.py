@@ -178,6 +178,7 @@ def flat(parts: Items) -> list[Any]:
                 end_of_last = mark.end()
             items.append(Prose(part[end_of_last:].strip()))
         elif isinstance(part, Prose):
+            # Facts belong to the last paragraph before them.
             last = max(i for i, item in enumerate(items) if isinstance(item, Prose) and item.text)
             items[last] = Prose(items[last].text, part.facts)
         elif type(part) in (tuple, list) or isinstance(part, Iterator):
@@ -192,7 +193,8 @@ def steps_of(item: Any) -> tuple[Step, ...]:
     if isinstance(item, Step):
         return (item,)
     if isinstance(item, Table):
-        cells = [cell for row in item.rows for cell in row if isinstance(cell, Step)]
+        all_cells = [cell for row in item.rows for cell in row]
+        cells = [cell for cell in all_cells if isinstance(cell, Step)]
     else:
         cells = []
     return (*cells, *getattr(item, "facts", ()))
@@ -276,10 +278,11 @@ def solves(
             tidy = solution.use_relations
         else:
             tidy = modes
+        # A random point refutes a wrong statement at once, where the proof would take long.
         for residual in residuals:
-            rest = resolve(residual, meaning)
-            _refute(statement, rest)
-            _vanish(statement, tidy(rest), "does not solve its equation: {} remains")
+            remainder = resolve(residual, meaning)
+            _refute(statement, remainder)
+            _vanish(statement, tidy(remainder), "does not solve its equation: {} remains")
         return StepEvidence("exact", "0")
 
     return check
@@ -439,11 +442,8 @@ def _refute(statement: Step, difference: Expr) -> None:
     proves nothing.
     """
     difference = _sampled(difference)
-    if (
-        difference == 0
-        or difference.atoms(sp.Function) - difference.atoms(*KNOWN)
-        or difference.has(sp.Derivative)
-    ):
+    has_no_value = difference.atoms(sp.Function) - difference.atoms(*KNOWN)
+    if difference == 0 or has_no_value or difference.has(sp.Derivative):
         return
     value = sp.N(difference.xreplace(next(points(difference, 1))), 40, maxn=120)
     if value.is_number and value.is_finite and abs(value) > DIFFERENT:
@@ -472,11 +472,12 @@ def _motion_sample() -> dict[Expr, Expr]:
     letters = {mean: 37, half: 23, solution.tau: 11, solution.Omega: 29, solution.m: 17}
     numbers = {letter: sp.Rational(value, 19) for letter, value in letters.items()}
     values = {name: sp.N(value.subs(numbers), 60) for name, value in generic_basis().items()}
-    rates = generic_basis()[solution.cm].subs(numbers), generic_basis()[solution.w0sq].subs(numbers)
-    values |= {solution.cm: rates[0], solution.w0sq: rates[1]}
+    c_over_m = generic_basis()[solution.cm].subs(numbers)
+    k_over_m = generic_basis()[solution.w0sq].subs(numbers)
+    values |= {solution.cm: c_over_m, solution.w0sq: k_over_m}
     values |= {
-        solution.c: rates[0] * numbers[solution.m],
-        solution.k: rates[1] * numbers[solution.m],
+        solution.c: c_over_m * numbers[solution.m],
+        solution.k: k_over_m * numbers[solution.m],
     }
     return values | {name: numbers[name] for name in (solution.tau, solution.Omega, solution.m)}
 
@@ -489,13 +490,14 @@ def _sampled(expr: Expr) -> Expr:
     if expr.has(*solution.BASIS):
         expr = expr.xreplace(_motion_sample())
     names = sorted(expr.atoms(AppliedUndef), key=str)
-    cubics = {
-        name: sum(
-            sp.Rational(3 * n + power + 2, 5 + power) * name.args[0] ** power for power in range(4)
-        )
-        for n, name in enumerate(names)
-        if name.args[0].is_Symbol
-    }
+    # A different cubic for each function of a letter; its coefficients are any rational numbers.
+    cubics = {}
+    for n, name in enumerate(names):
+        argument = name.args[0]
+        if argument.is_Symbol:
+            cubics[name] = sum(
+                sp.Rational(3 * n + power + 2, 5 + power) * argument**power for power in range(4)
+            )
     if cubics:
         return expr.subs(cubics).doit()
     return expr

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 from math import floor
-from typing import Any
+from typing import Any, NamedTuple
 
 import sympy as sp
 
@@ -266,8 +266,18 @@ def event_bound(p: Parameters, belts: set[int], changes: int) -> int:
     return 3 * (5 + cuts + changes)
 
 
-def busiest_period(scene: str) -> tuple[int, set[int], int]:
-    """Return the number, belts and changes of belt of the events in a scene's busiest period."""
+class BusiestPeriod(NamedTuple):
+    """The period of a motion with most events: their number, their belts, and how often the belt
+    changes from one to the next.
+    """
+
+    count: int
+    belts: set[int]
+    changes: int
+
+
+def busiest_period(scene: str) -> BusiestPeriod:
+    """Return the busiest period of a scene's motion."""
     start = load_scene(scene)
     period = 2 * CONTEXT.pi / number(start.parameters.Omega)
     trajectory = simulate(start, t_end=f"{PERIODS}T")
@@ -276,13 +286,13 @@ def busiest_period(scene: str) -> tuple[int, set[int], int]:
     belts = {1}
     changes = 0
     # The busiest period may begin with an event.
-    for first, _ in events:
-        inside = [belt for time, belt in events if first <= time <= first + period]
-        if len(inside) > most_events:
-            most_events = len(inside)
-            belts = set(inside)
-            changes = sum(before != after for before, after in pairwise(inside))
-    return most_events, belts, changes
+    for begin, _ in events:
+        belts_met = [belt for time, belt in events if begin <= time <= begin + period]
+        if len(belts_met) > most_events:
+            most_events = len(belts_met)
+            belts = set(belts_met)
+            changes = sum(before != after for before, after in pairwise(belts_met))
+    return BusiestPeriod(most_events, belts, changes)
 
 
 def _count(number_of: int) -> Step:
@@ -299,8 +309,8 @@ def _table() -> Table:
         count, belts, changes = busiest_period(scene)
         bound = event_bound(load_scene(scene).parameters, belts, changes)
         checks.append(step(sp.Integer(count), "<=", sp.Integer(bound), sign()))
-        shown = ", ".join(map(str, sorted(belts)))
-        rows.append((rf"\texttt{{{scene}}}", shown, *map(_count, (changes, count, bound))))
+        belt_names = ", ".join(map(str, sorted(belts)))
+        rows.append((rf"\texttt{{{scene}}}", belt_names, *map(_count, (changes, count, bound))))
     return Table(
         "tab:accumulation-counts",
         rf"The most events that the motions of the paper's figures have in an interval as long as "

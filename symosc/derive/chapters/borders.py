@@ -178,17 +178,19 @@ def _names_table() -> Table:
     """Return the table of the four kinds of border: what is 0 there, and what a branch's end is
     called.
     """
+    grazing, crossing, switching, adding = NAMES
+    # What ends of branches with the shorter and with the longer word are called.
     graze = "grazing", "grazing, or vanishing of a stick"
-    birth = "birth of a stick", "vanishing of a stick"
-    slip = "birth of a slip", "vanishing of a slip"
+    stick = "birth of a stick", "vanishing of a stick"
+    slip_born, slip_vanishes = "birth of a slip", "vanishing of a slip"
     steps = lengths()
     divided = steps["interrupted-slip"]
     sliding = replace(divided, right=divided.right.subs(steps["graze"].left, steps["graze"].right))
     rows = (
-        (NAMES[0], r"$\dot{x} = v_\lambda$ in a flight", steps["graze"], *graze),
-        (NAMES[1], r"$F^{(\alpha)} = 0$ at a passage", steps["stick"], *birth),
-        (NAMES[2], r"$F^{(\alpha)} = 0$ at an onset", steps["slip-short"], slip[0], "grazing"),
-        (NAMES[3], r"$F^{(\alpha)} = 0$ in a stick", sliding, *slip),
+        (grazing, r"$\dot{x} = v_\lambda$ in a flight", steps["graze"], *graze),
+        (crossing, r"$F^{(\alpha)} = 0$ at a passage", steps["stick"], *stick),
+        (switching, r"$F^{(\alpha)} = 0$ at an onset", steps["slip-short"], slip_born, "grazing"),
+        (adding, r"$F^{(\alpha)} = 0$ in a stick", sliding, slip_born, slip_vanishes),
     )
     return Table(
         "tab:borders-names",
@@ -250,10 +252,9 @@ def _examples_table() -> Table:
         letter = {"Omega": r"\Omega", "mu1": r"\mu_1"}[example.name]
         phase = number(at_end.Omega) * number(end.conditions[0].t)
         # m dF/dt on the belt is -(k v_lambda + B0 Omega sin theta).
-        minus_rate = number(at_end.k * at_end.belt(example.belt)) + number(
-            at_end.B0 * at_end.Omega
-        ) * CONTEXT.sin(phase)
-        rate = sp.Float(CONTEXT.nstr(-minus_rate / number(at_end.m), 20), 20)
+        steady_rate = number(at_end.k * at_end.belt(example.belt))
+        drive_rate = number(at_end.B0 * at_end.Omega) * CONTEXT.sin(phase)
+        rate = sp.Float(CONTEXT.nstr(-(steady_rate + drive_rate) / number(at_end.m), 20), 20)
         if example.negative:
             signs.append(step(rate, "<", 0, at_root(dict)))
         else:

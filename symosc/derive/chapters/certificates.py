@@ -233,16 +233,17 @@ def _windows() -> Items:
     path = sp.Function("x")(t)
     newton = (A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
     velocity = path.diff(t)
+    # F^(alpha) along the flow and its first three time derivatives.
     derivatives = [newton]
     for _ in range(3):
         derivatives.append(derivatives[-1].diff(t).subs(path.diff(t, 2), newton))
     # At the contact x' = v_lambda and x'' = F = 0, which gives x.
     place = sp.solve(newton.subs(velocity, v_lambda), path)[0]
-    on_belt = [
+    force, first, second, third = (
         derivative.subs(velocity, v_lambda).subs(path, place).subs(Omega * t, theta)
         for derivative in derivatives
-    ]
-    touch = on_belt[3].subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
+    )
+    touch = third.subs(sp.cos(theta), 0).subs(sp.sin(theta), -k * v_lambda / (B0 * Omega))
     yield (
         r"\subsection{Windows: every phase}",
         r"\begin{lemma}[a contact without force]\label{thm:certificates-window} Let a flight meet "
@@ -250,7 +251,7 @@ def _windows() -> Items:
         equation(
             SECOND,
             -(k * v_lambda + B0 * Omega * sp.sin(theta)) / m,
-            sp.simplify(on_belt[1]),
+            sp.simplify(first),
             "second",
         ),
         r"Where this is 0 and $\cos\theta = 0$, also $g''' = 0$ and",
@@ -260,8 +261,8 @@ def _windows() -> Items:
         r"$\ddot{x} = 0$. The third derivative is $-(c/m)\ddot{g} - "
         r"(B_0\Omega^2/m)\cos\theta$.\end{proof}",
         facts(
-            equation(on_belt[0], 0),
-            equation(on_belt[2], -c / m * on_belt[1] - B0 * Omega**2 / m * sp.cos(theta)),
+            equation(force, 0),
+            equation(second, -c / m * first - B0 * Omega**2 / m * sp.cos(theta)),
         ),
         r"So the sign of \eqref{eq:certificates-second} decides at every phase but its zeros. "
         r"Those are the phases with $\sin\theta = -k v_\lambda/(B_0\Omega)$, at most two, and "

@@ -151,9 +151,10 @@ def _passage() -> Items:
     turned = sp.integrate(LEVEL - BEND * TIME**2 / 2, (TIME, CONTACT, HALF)).subs(back)
     quotient = named(r"\frac{g(t)}{t - t_m}")
     top = named("g(s)")
-    touching = sp.Symbol("p", positive=True)  # -t_m
-    start = sp.solve(turned.subs(CONTACT, -touching), touching)
-    place = next(root for root in start if (root / HALF).is_number and root / HALF > 0)
+    minus_contact = sp.Symbol("p", positive=True)  # -t_m
+    roots = sp.solve(turned.subs(CONTACT, -minus_contact), minus_contact)
+    # The positive multiple of s.
+    place = next(root for root in roots if (root / HALF).is_number and root / HALF > 0)
     return (
         r"\subsection{(B) A passage at the edge: three borders}",
         r"\begin{theorem}[a passage with $U = r = 0$]\label{thm:codimension-passage} Let the mass "
@@ -402,16 +403,25 @@ def frictionless(half: Any) -> Any:
     # meets the belt's speed at the time `met` < 0.
     speed = BELT + small
     top = (HERE.B0 - HERE.c * speed) / HERE.k
-    met = zero(lambda time: flow(HERE, top, speed, angle, time)[1] - BELT, -half)
+
+    def beyond_belt(time: Any) -> Any:
+        _, velocity = flow(HERE, top, speed, angle, time)
+        return velocity - BELT
+
+    met = zero(beyond_belt, -half)
     place, _ = flow(HERE, top, speed, angle, met)
 
     def force_back(jump: Any) -> Any:
         """Return U where the flight above the belt comes back, for a jump J of the force."""
         above = HERE._replace(A=HERE.A - jump)
         length = 2 * (pull(HERE, BELT, place, angle + met) - jump) / slope
-        back = zero(
-            lambda time: (flow(above, place, BELT, angle + met, time)[1] - BELT) / time, length
-        )
+
+        def gap_over_time(time: Any) -> Any:
+            """Return the gap without its zero at the start, where the flight begins."""
+            _, velocity = flow(above, place, BELT, angle + met, time)
+            return (velocity - BELT) / time
+
+        back = zero(gap_over_time, length)
         place_back, _ = flow(above, place, BELT, angle + met, back)
         return pull(HERE, BELT, place_back, angle + met + back)
 

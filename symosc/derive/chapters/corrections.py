@@ -56,10 +56,10 @@ class Correction(NamedTuple):
     gap: Any
     first: Any  # the beginning of the extra piece
     last: Any  # its end
-    place: Any
-    speed: Any
-    place_order: Any
-    speed_order: Any
+    place: Any  # the change of x at the end of the piece, to leading order
+    speed: Any  # that of v
+    place_order: Any  # the power of epsilon in `place`
+    speed_order: Any  # that in `speed`, None if this is 0
 
 
 def _corrections() -> tuple[Correction, ...]:
@@ -71,46 +71,46 @@ def _corrections() -> tuple[Correction, ...]:
         Correction(
             NAMES[GRAZING],
             "stick",
-            bump,
-            -ROOT,
-            sp.S.Zero,
-            -sp.Rational(2, 3) * sp.sqrt(2 / BEND) * SMALL**three_halves,
-            -SMALL,
-            three_halves,
-            sp.S.One,
+            gap=bump,
+            first=-ROOT,
+            last=sp.S.Zero,
+            place=-sp.Rational(2, 3) * sp.sqrt(2 / BEND) * SMALL**three_halves,
+            speed=-SMALL,
+            place_order=three_halves,
+            speed_order=sp.S.One,
         ),
         Correction(
             NAMES[CROSSING],
             "stick",
-            SMALL * TIME - BEND * TIME**2 / 2,
-            sp.S.Zero,
-            SMALL / BEND,
-            -(SMALL**3) / (3 * BEND**2),
-            -(SMALL**2) / (2 * BEND),
-            sp.Integer(3),
-            sp.Integer(2),
+            gap=SMALL * TIME - BEND * TIME**2 / 2,
+            first=sp.S.Zero,
+            last=SMALL / BEND,
+            place=-(SMALL**3) / (3 * BEND**2),
+            speed=-(SMALL**2) / (2 * BEND),
+            place_order=sp.Integer(3),
+            speed_order=sp.Integer(2),
         ),
         Correction(
             NAMES[SWITCHING],
             "slip",
-            -SMALL * TIME + BEND * TIME**2 / 2,
-            sp.S.Zero,
-            2 * SMALL / BEND,
-            -2 * SMALL**3 / (3 * BEND**2),
-            sp.S.Zero,
-            sp.Integer(3),
-            None,
+            gap=-SMALL * TIME + BEND * TIME**2 / 2,
+            first=sp.S.Zero,
+            last=2 * SMALL / BEND,
+            place=-2 * SMALL**3 / (3 * BEND**2),
+            speed=sp.S.Zero,
+            place_order=sp.Integer(3),
+            speed_order=None,
         ),
         Correction(
             NAMES[ADDING],
             "slip",
-            slip,
-            -ROOT,
-            2 * ROOT,
-            -9 * SMALL**2 / (2 * BEND),
-            sp.S.Zero,
-            sp.Integer(2),
-            None,
+            gap=slip,
+            first=-ROOT,
+            last=2 * ROOT,
+            place=-9 * SMALL**2 / (2 * BEND),
+            speed=sp.S.Zero,
+            place_order=sp.Integer(2),
+            speed_order=None,
         ),
     )
 
@@ -219,18 +219,19 @@ def _gap(n: int) -> Any:
 def _length(n: int) -> Any:
     """Return how long the extra piece lasts, from the gap of `_gap`."""
     gap = _gap(n)
+
+    def positive_zero(expr: Any) -> Any:
+        return max(sp.solve(expr, TIME), key=lambda root: root.is_positive)
+
     if n == GRAZING:  # from the zero of g to that of U
-        return (
-            max(sp.solve(gap, TIME), key=lambda root: root.is_positive)
-            - sp.solve(gap.diff(TIME), TIME)[0]
-        )
-    if n == CROSSING:
+        return positive_zero(gap) - sp.solve(gap.diff(TIME), TIME)[0]
+    if n == CROSSING:  # from 0 to the zero of U
         return sp.solve(gap.diff(TIME), TIME)[0]
-    if n == SWITCHING:
-        return max(sp.solve(gap, TIME), key=lambda root: root.is_positive)
-    half = sp.Symbol("q", positive=True)  # the slip begins at -q
+    if n == SWITCHING:  # from 0 to the zero of g
+        return positive_zero(gap)
+    half = sp.Symbol("q", positive=True)  # the slip begins at -q, and its end is a zero of g
     factors = sp.factor(sp.expand(gap.subs(SMALL, BEND * half**2 / 2)))
-    return (max(sp.solve(factors, TIME), key=lambda root: root.is_positive) + half).subs(half, ROOT)
+    return (positive_zero(factors) + half).subs(half, ROOT)
 
 
 # --- numbers: the exact flow with 60 digits beside a border ---
@@ -350,7 +351,12 @@ def _changes_by_graze(small: Any) -> tuple[Any, Any]:
     root = CONTEXT.sqrt(2 * small / curve)
     speed = BELT + small
     top = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * speed) / HERE.k
-    contact = zero(lambda time: flow(HERE, top, speed, angle, time)[1] - BELT, -root)
+
+    def beyond_belt(time: Any) -> Any:
+        _, velocity = flow(HERE, top, speed, angle, time)
+        return velocity - BELT
+
+    contact = zero(beyond_belt, -root)
     met, _ = flow(HERE, top, speed, angle, contact)
     guess = small * HERE.c / curve
     leaves = zero(lambda time: pull(HERE, BELT, met + BELT * (time - contact), angle + time), guess)
@@ -457,26 +463,24 @@ def _numbers_table() -> Table:
     """Return the table of orders and coefficients: by the theorem, and by the exact flow."""
     rows: list[tuple[Any, ...]] = []
     for n, border in enumerate(CORRECTIONS):
-        for which, (change, formula, power) in enumerate(
-            (
-                (r"$\delta x$", border.place, border.place_order),
-                (r"$\delta\dot{x}$", border.speed, border.speed_order),
-            )
-        ):
+        changes_of_border = (
+            (r"$\delta x$", border.place, border.place_order),
+            (r"$\delta\dot{x}$", border.speed, border.speed_order),
+        )
+        for which, (change, formula, power) in enumerate(changes_of_border):
             if power is None:
                 continue
             factor = sp.simplify(formula / SMALL**power)
             by_formula = sp.lambdify(BEND, factor, {"sqrt": CONTEXT.sqrt})(bend(n))
             by_formula = CONTEXT.mpf(by_formula)
+            order_fits = close(partial(CONTEXT.mpf, sp.N(power, 50)), 8)
             fits = close(partial(coefficient, n, which, power), DECIMALS)
             rows.append(
                 (
                     border.name,
                     change,
                     rf"${sp.latex(power)}$",
-                    decimal(
-                        "z", order(n, which), 8, close(partial(CONTEXT.mpf, sp.N(power, 50)), 8)
-                    ),
+                    decimal("z", order(n, which), 8, order_fits),
                     equation(PLACE, factor, {PLACE: _exact_factor(n, which, power)}),
                     decimal("z", by_formula, DECIMALS, fits),
                 )
@@ -573,14 +577,15 @@ SIDES = 4
 def grazing() -> Grazing:
     """Return the multipliers of the paper's Fig. 9 at the end of its branch, on both sides."""
     p = load_scene("fig9").parameters
-    end = borders.continue_orbit(p, *BRANCH).ends[1]
+    _, end = borders.continue_orbit(p, *BRANCH).ends
     at_end = p.replace(Omega=end.value)
-    orbit = find_orbit(at_end, BRANCH[0], digits=STEP_DIGITS)
+    word, *_ = BRANCH
+    orbit = find_orbit(at_end, word, digits=STEP_DIGITS)
     before = tuple(CONTEXT.re(CONTEXT.mpmathify(value)) for value in orbit.multipliers)
     (down, place), (up, above) = orbit.points
     touch = CONTEXT.mpf(end.conditions[0].t)
     period = CONTEXT.mpf(orbit.period)
-    touch += period * CONTEXT.ceil((up - touch) / period)
+    touch += period * CONTEXT.ceil((up - touch) / period)  # the first touch after `up`
     # One period from the touch on, in three flights: duration, domain, the domain that the mass
     # passes into, and x and t there.
     rows = (
@@ -602,6 +607,7 @@ def grazing() -> Grazing:
             saltation = CONTEXT.matrix([[1, 0], [0, force_after / force_before]])
             step_matrix = saltation * step_matrix
         matrix = step_matrix * matrix
+    # Beyond the border the multiplier depends on the root of the distance: its limit at 0.
     roots = []
     values = []
     for j in range(SIDES):

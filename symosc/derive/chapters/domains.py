@@ -195,6 +195,10 @@ def _regimes(scope: Scope) -> Items:
     values = {name: value for regime in scope.regimes for name, value in regime.letters.items()}
     regimes = solution.REGIMES
     letters = (solution.h, omega_d, eta, omega_0)
+    regime_rows = []
+    for regime in scope.regimes:
+        functions = [basis_function(symbol, regime) for symbol in (E1, E0)]
+        regime_rows.append((*REGIME_WORDS[regime.name], roots(regime), *functions))
     yield (
         r"\subsection{The regimes of damping}",
         r"In terms of the roots of $m z^2 + c z + k$ the basis functions are elementary. With the "
@@ -210,10 +214,7 @@ def _regimes(scope: Scope) -> Items:
             r"The regimes of damping: their roots, and the two functions that the others follow "
             r"from.",
             ("regime", "condition", "roots", "$E_1$", "$E_0$"),
-            tuple(
-                (*REGIME_WORDS[r.name], roots(r), *(basis_function(f, r) for f in (E1, E0)))
-                for r in scope.regimes
-            ),
+            tuple(regime_rows),
         ),
         r"Three functions are left over, where the corollary divides by 0. Without a spring,",
         basis_function(E2, regimes["no spring"], note="for $c > 0$,", label="no-spring-E2"),
@@ -239,8 +240,11 @@ def _regimes(scope: Scope) -> Items:
             rf"${latex(name)} {arrows[name in value.free_symbols]} {latex(value)}$"
             for name, value in join.path.items()
         )
-        words = [REGIME_WORDS[name][0] for name in (join.source, join.target)]
-        borders.append((*words, rf"${latex(join.letter)} \to 0$", path, *limits))
+        (source_name, _), (target_name, _) = (
+            REGIME_WORDS[name] for name in (join.source, join.target)
+        )
+        limit = rf"${latex(join.letter)} \to 0$"
+        borders.append((source_name, target_name, limit, path, *limits))
     yield (
         r"\subsection{The regimes are limits of each other}",
         r"\begin{theorem}[one motion, no cases]\label{thm:domains-entire} For each $\tau$ the "

@@ -81,15 +81,17 @@ def items(scope: Scope) -> Items:
     )
 
     def ends(scene: str, belt: int, alpha: int, words: str) -> Items:
+        """Return the text on the first stick of a scene, on `belt`, which ends into domain `alpha`."""
         numbers = Scope(load_scene(scene)).numbers
         above = belt + 1
-        time = _up_to_slip(scene, 40, f"Omega{alpha}")[-1]
+        *_, slip_time = _up_to_slip(scene, 40, f"Omega{alpha}")
+        # Where F^(alpha) is 0, F^(above) is its jump.
         held = (newton(above) - newton(alpha)).subs(numbers)
         true = -2 * (MU[belt] * FN / m).subs(numbers)
         return (
             rf"({PAPER_EXITS[belt]}) lets a stick on belt {belt} end by $F^{{({above})}} = 0$ only. "
             rf"{words} at the time below by $F^{{({alpha})}} = 0$, into $\Omega_{alpha}$,",
-            decimal("t", time, 20, label=f"{scene}-slip"),
+            decimal("t", slip_time, 20, label=f"{scene}-slip"),
             r"where the acceleration of the paper's condition is still",
             equation(F(above), held, true, f"{scene}-held", decimals=True),
         )
@@ -190,11 +192,13 @@ def _four_decimals(printed: str, value: Any) -> Step:
 
 
 def _figure7() -> Items:
+    """Return the section on the misprinted number of Fig. 7, which is x0 or A0."""
     numbers = Scope(load_scene("fig7")).numbers
     amplitude = ((B0 * Omega) ** 2 / ((k - m * Omega**2) ** 2 + c**2 * Omega**2)).subs(numbers)
     square = named(r"V_0^2")
     place, x0, v0 = _graze("fig7", 1, sp.Integer(5), sp.pi)
-    corrected, x10, v10 = _graze("fig7-corrected", 1, sp.Integer(5), sp.pi)
+    # The same with A0 = 10.
+    corrected, x0_of_10, v0_of_10 = _graze("fig7-corrected", 1, sp.Integer(5), sp.pi)
     return (
         r"\subsection{Fig.~7: one number is misprinted}",
         r"With the printed parameters the steady velocity in $\Omega_1$ does not reach $v_1 = 5$, "
@@ -213,7 +217,7 @@ def _figure7() -> Items:
             equation(named("x_m"), sp.Rational("-3.0855"), place, decimals=True),
         ),
         r"With $A_0 = 10$ in place of 5 the start is",
-        _start(x10, v10, "fig7-x0-10"),
+        _start(x0_of_10, v0_of_10, "fig7-x0-10"),
         r"which is the printed one to all of its digits, with the contact at $x_m = -0.5855$. "
         r"Either number explains the figure; the numbers alone do not tell which one is misprinted.",
         facts(equation(named("x_m"), sp.Rational("-0.5855"), corrected, decimals=True)),
@@ -221,6 +225,7 @@ def _figure7() -> Items:
 
 
 def _figure8() -> Items:
+    """Return the section on the start of Fig. 8, from whose printed digits the mass sticks shortly."""
     _, x0, v0 = _graze("fig8", 2, sp.Integer(-4), sp.Rational("3.14158"))
 
     def duration() -> dict[Any, Any]:

@@ -321,7 +321,7 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
     """
     start = load_scene(scene)
     p = start.parameters
-    w0 = number(start.parameters.k / start.parameters.m)
+    w0sq = number(p.k / p.m)
     path = simulate(start, digits=DIGITS + 15)
     # dx and dv: the derivatives of the state, from event to event.
     if by_friction:
@@ -329,37 +329,38 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
     else:
         dx = CONTEXT.mpf(1)
     dv = CONTEXT.mpf(0)
-    # The derivative of the force by mu_1 in each domain, by which the friction of belt 1 pulls.
+    # The derivative of the force by mu_1 in each domain, by which the friction of belt 1 pulls: up
+    # below it, down above it.
     push = {
         alpha: number(sign * p.FN / p.m) * by_friction for alpha, sign in ((1, 1), (2, -1), (3, -1))
     }
-    before = number(start.t0)
+    time_before = number(start.t0)
     slopes = []
     for event in path.events[:EVENTS]:
         t = number(event.t)
         phase = number(p.Omega) * t
         belt = event.boundary
-        where = (belt, number(event.x), phase)
+        contact = (belt, number(event.x), phase)
         source = int(event.source[-1])
         target = int(event.target[-1])
         if event.source.startswith("Omega"):  # a flight ends, else a stick
-            e0, e1, e2 = flight_basis(p)(t - before)
+            e0, e1, e2 = flight_basis(p)(t - time_before)
             dx, dv = (
-                (1 - w0 * e2) * dx + e1 * dv + e2 * push[source],
-                e0 * dv - w0 * e1 * dx + e1 * push[source],
+                (1 - w0sq * e2) * dx + e1 * dv + e2 * push[source],
+                e0 * dv - w0sq * e1 * dx + e1 * push[source],
             )
-            force_before = force_at_belt(p, source, *where)
+            force_before = force_at_belt(p, source, *contact)
             slopes.append(-dv * number(p.m) / force_before)
             if event.target.startswith("Omega"):
-                dv = dv * force_at_belt(p, target, *where) / force_before
+                dv = dv * force_at_belt(p, target, *contact) / force_before
             else:  # on a belt all have its velocity
                 dv = dv * 0
         else:
             rate = -(
                 number(p.k * p.belt(belt)) + number(p.B0 * p.Omega) * CONTEXT.sin(phase)
             ) / number(p.m)
-            slopes.append((w0 * dx - push[target]) / rate)
-        before = t
+            slopes.append((w0sq * dx - push[target]) / rate)
+        time_before = t
     return slopes
 
 
@@ -372,7 +373,8 @@ def _events_table() -> Table:
 
     def cell(q: str, n: int) -> Any:
         check = close(partial(CONTEXT.mpf, by_formula[q][n]), 24)
-        return decimal("z", by_package[q].dt[n, 0], 24, check)
+        (slope,) = by_package[q].dt[n]
+        return decimal("z", slope, 24, check)
 
     events = enumerate(by_package["x0"].trajectory.events[:EVENTS])
     return Table(

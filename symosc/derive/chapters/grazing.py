@@ -389,7 +389,7 @@ def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
         # Ends cannot cross a multiple of pi/2 while the signs stay: one set of numbers stands for
         # all.
         start, end, left_open, right_open = part.args
-        numbers = {p: sp.Rational(3, 7), q: sp.Rational(2, 5)}
+        numbers = {p: sp.Rational(3, 7), q: sp.Rational(2, 5)}  # any, as said above
         low = angle(start).subs(numbers)
         high = angle(end).subs(numbers)
         after_start = phase > low or (phase == low and not left_open)
@@ -402,8 +402,10 @@ def window(side: int, gamma: Any, amplitude: Any, names: Any = ()) -> Check:
         else:
             sets = (statement.right,)
         parts = [part for part in sets if isinstance(part, sp.Interval)]
-        through_0 = any(part.args[0] == 0 and not part.args[2] for part in parts)
-        for end in (end for part in parts for end in part.args[:2]):
+        # A set that goes through the phase 0 is written in two parts, and 0 is no end of it.
+        through_0 = any(part.start == 0 and not part.left_open for part in parts)
+        ends = [end for part in parts for end in (part.start, part.end)]
+        for end in ends:
             zero = sp.simplify(sp.expand_trig(sp.sin(angle(end))) * amplitude + gamma)
             if zero != 0 and not (through_0 and end in (0, 2 * sp.pi)):
                 raise StepError(

@@ -59,14 +59,18 @@ def items(scope: Scope) -> Items:
     flight_slopes = maps.flight_jacobian()
     ends = {maps.v_end: flow.v, maps.a_end: flow.a}
     rows = []
-    for which, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
-        # At fixed theta_j a later start makes the flight shorter: - `slope` in the second.
+    for n, (expr, short) in enumerate(((flow.x, "x"), (flow.v, "v")), 1):
         slope = solution.time_derivative(expr) / Omega
-        true = {"x0": ("x_i", total(expr, x_i)), "th0": (r"\theta_i", total(expr, theta_i) - slope)}
-        for key, (by, derivative) in (true | {"th1": (r"\theta_{i+1}", slope)}).items():
-            letter = partial(f"f_{which}", by)
+        derivatives = {
+            "x0": ("x_i", total(expr, x_i)),
+            # At fixed theta_j a later start makes the flight shorter.
+            "th0": (r"\theta_i", total(expr, theta_i) - slope),
+            "th1": (r"\theta_{i+1}", slope),
+        }
+        for key, (by, derivative) in derivatives.items():
+            letter = partial(f"f_{n}", by)
             check = exact({letter: derivative} | ends, solution.use_relations)
-            rows.append(equation(letter, flight_slopes[f"{short}_{key}"], check, f"f{which}-{key}"))
+            rows.append(equation(letter, flight_slopes[f"{short}_{key}"], check, f"f{n}-{key}"))
     yield (
         r"\subsection{Derivatives of the governing equations}",
         r"\begin{proposition}[flights]\label{thm:jacobians-flight} For a flight "
@@ -84,7 +88,8 @@ def items(scope: Scope) -> Items:
     residual = maps.stick_residual()
     stick_slopes = maps.stick_jacobian()
     theta_j = maps.theta_j
-    where = {tau: (theta_j - theta_i) / Omega}
+    duration = {tau: (theta_j - theta_i) / Omega}
+    # The equation, the variable in print and as a symbol, and the name of the kernel's result.
     entries = (
         ("1", r"\theta_i", theta_i, "x_th0"), ("1", r"\theta_{i+1}", theta_j, "x_th1"),
         ("2", "x_{i+1}", maps.x_j, "v_x1"), ("2", r"\theta_{i+1}", theta_j, "v_th1")
@@ -93,7 +98,7 @@ def items(scope: Scope) -> Items:
         equation(
             partial(f"f_{n}", by),
             stick_slopes[key],
-            residual[f"f{n}"].subs(where).diff(letter),
+            residual[f"f{n}"].subs(duration).diff(letter),
             f"stick-{key}",
         )
         for n, by, letter, key in entries
@@ -207,7 +212,8 @@ def saltation() -> Items:
     delay = {shift: sp.solve(delta + BEFORE * named("s"), named("s"))[0]}
     field_gap = sp.Matrix([0, AFTER - BEFORE])
     normal = sp.Matrix([[0, 1]])
-    matrix = sp.eye(2) + field_gap * normal / (normal * sp.Matrix([speed, BEFORE]))[0]
+    (rate_of_gap,) = normal * sp.Matrix([speed, BEFORE])
+    matrix = sp.eye(2) + field_gap * normal / rate_of_gap
     entries = tuple(
         equation(matrix[i, j], entry)
         for i, j, entry in ((0, 0, 1), (0, 1, 0), (1, 0, 0), (1, 1, AFTER / BEFORE))

@@ -68,7 +68,7 @@ def items(scope: Scope) -> Items:
     mu = sp.Symbol(r"\mu_\lambda", nonnegative=True)
     held = named(r"H_\lambda")
     size = sp.Symbol("B_0", real=True)
-    ends = [(held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1)]
+    upper_end, lower_end = ((held + sign * (mu * FN - sp.Abs(size))) / k for sign in (1, -1))
     yield (
         r"\subsection{Existence, uniqueness, stability}",
         r"\begin{theorem}[one attractor, or an interval of rests]\label{thm:orbits-unique} Let $c "
@@ -79,7 +79,7 @@ def items(scope: Scope) -> Items:
         r"are the rests on belt $\lambda$ at the positions of an interval, and every motion tends "
         r"to one of them. Inside the interval each has the multiplier 1.\end{enumerate}",
         r"The interval of (iii) has the length",
-        equation(named(r"\ell"), 2 * (mu * FN - sp.Abs(size)) / k, ends[0] - ends[1], "length"),
+        equation(named(r"\ell"), 2 * (mu * FN - sp.Abs(size)) / k, upper_end - lower_end, "length"),
         r"\end{theorem}",
         r"\begin{proof} Let $y$ be the difference of two motions and $W = \frac{m}{2}\dot{y}^2 + "
         r"\frac{k}{2}y^2$. By \eqref{eq:motion-energy} and Lemma~\ref{thm:motion-monotone}, "
@@ -235,29 +235,29 @@ def pieces(scope: Scope, word: str) -> list[MappingPiece]:
     """Return the mappings of a word's orbit, with the scene's numbers put in."""
     rows = read_word(word).maps
     basis = scope.regimes[0].basis()
-    parts = []
+    mapping_pieces = []
     for i, (row, exit_side) in enumerate(zip(rows, read_word(word).exits(), strict=True)):
         before = rows[i - 1]
         after = (i + 1) % len(rows)  # 0 after the last one: the orbit is closed
-        start_letters, end_letters = (
+        (x_start, theta_start), (x_end, theta_end) = (
             (named(f"x_{{{n + 1}}}"), named(rf"\theta_{{{n + 1}}}")) for n in (i, after)
         )
         duration = named(rf"\tau_{{{i + 1}}}")
         start = BELTS[row.start.boundary]
         end = BELTS[row.end.boundary]
         letters = {
-            x_i: start_letters[0],
-            theta_i: start_letters[1],
-            maps.x_j: end_letters[0],
-            maps.theta_j: end_letters[1],
+            x_i: x_start,
+            theta_i: theta_start,
+            maps.x_j: x_end,
+            maps.theta_j: theta_end,
             tau: duration,
         }
         # The last mapping ends at the first point, one period of the drive later.
         if after == 0:
-            phase_at_end = end_letters[1] + 2 * sp.pi
+            phase_at_end = theta_end + 2 * sp.pi
         else:
-            phase_at_end = end_letters[1]
-        meaning: dict[Any, Any] = {duration: (phase_at_end - start_letters[1]) / Omega}
+            phase_at_end = theta_end
+        meaning: dict[Any, Any] = {duration: (phase_at_end - theta_start) / Omega}
         if row.sticks:
             below, above = NEIGHBOURS[row.end.boundary]
             if exit_side == "below":
@@ -271,6 +271,7 @@ def pieces(scope: Scope, word: str) -> list[MappingPiece]:
                 expr.xreplace({v_i: start, maps.v_j: end})
                 for expr in maps.flight_residual().values()
             )
+            # E0 becomes E_0(tau_1), and so on.
             names = {f: named(rf"{f.name[0]}_{f.name[1]}(\tau_{{{i + 1}}})") for f in BASIS}
             # The force that ended a stick vanishes where the next flight starts.
             letters |= names | {
@@ -281,8 +282,8 @@ def pieces(scope: Scope, word: str) -> list[MappingPiece]:
                 meaning[letters[a_i]] = force(row.domain, x_i, start, theta_i).xreplace(letters)
         f1, f2 = (_substituted(scope, f.xreplace(letters)) for f in (f1, f2))
         meaning = {name: _substituted(scope, value) for name, value in meaning.items()}
-        parts.append(MappingPiece(row, before, start_letters, f1, f2, meaning))
-    return parts
+        mapping_pieces.append(MappingPiece(row, before, (x_start, theta_start), f1, f2, meaning))
+    return mapping_pieces
 
 
 def _substituted(scope: Scope, expr: Any) -> Any:
@@ -493,7 +494,8 @@ def _extremes(
     belt = piece.row.start.boundary
     row = piece.row
     speed = BELTS[belt]
-    duration = ((end - start[1]) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
+    _, theta_at_start = start
+    duration = ((end - theta_at_start) % (2 * CONTEXT.pi)) / steps.evaluate(Omega, scope.numbers)
 
     def extremes(expr: Any, slope: Any) -> tuple[Any, list[Any]]:
         """Return `expr` as a function of the time since the start, and the zeros of its time
@@ -520,11 +522,8 @@ def _extremes(
     flow = solution.flow(scope.regimes[0])
     value, times = extremes(flow.v.xreplace(start_values), flow.a.xreplace(start_values))
     # Domain n is above the speed of belt n - 1 and below that of belt n, where there are such.
-    limits = [
-        (op, scope.numbers[BELTS[b]])
-        for op, b in ((">", row.domain - 1), ("<", row.domain))
-        if b in BELTS
-    ]
+    neighbours = ((">", row.domain - 1), ("<", row.domain))
+    limits = [(op, scope.numbers[BELTS[belt]]) for op, belt in neighbours if belt in BELTS]
     words = {1: "$< v_1$", 2: "between $v_1$ and $v_2$", 3: "$> v_2$"}[row.domain]
     for at in times:
         yield r"extreme of $\dot{x}$", value(at), words, limits

@@ -207,19 +207,19 @@ def g_functions() -> Items:
     """
     path = sp.Function("x")(t)
     newton = (solution.A + B0 * sp.cos(Omega * t) - c * path.diff(t) - k * path) / m
-    lower = [v, F(r"\alpha")]
+    # The names of x', x'' = F^(alpha), and of the higher derivatives, as far as they are known.
+    names = [v, F(r"\alpha")]
     rows = []
     for n in (1, 2, 3):
-        true = (
-            newton.diff(t, n)
-            .doit()
-            .subs([(path.diff(t, j + 1), lower[j]) for j in range(n, -1, -1)])
-        )
-        right = solution.next_derivative(lower[n], lower[n - 1], solution.forcing(n)).xreplace(
+        # The highest derivative first: a lower one is part of it.
+        named_derivatives = [(path.diff(t, j + 1), names[j]) for j in range(n, -1, -1)]
+        true = newton.diff(t, n).doit().subs(named_derivatives)
+        *_, before_last, last = names
+        right = solution.next_derivative(last, before_last, solution.forcing(n)).xreplace(
             solution.PAPER_LETTERS
         )
         rows.append(equation(G(n), right, true.subs(Omega * t, theta), f"g{n}"))
-        lower.append(G(n))
+        names.append(G(n))
     return (
         r"\begin{lemma}[the first G-functions]\label{thm:switching-g} Along the flow of "
         r"$\Omega_\alpha$, with $\theta = \Omega t$,",

@@ -524,6 +524,9 @@ def _examples() -> Items:
     doubled = between(1, 2, "1/2")
     torus = between(2, 2, "19/20")
     harmonic = between(1, "1/3", "44/15")
+    doubled_position, doubled_speed = response(doubled)
+    harmonic_position, harmonic_speed = response(harmonic)
+    radius = sp.Rational(1, 5)  # of the free part of the first motion
     largest = named(r"V_0 + \omega_0 R")
     start = named("x_0")
     limit = named(r"\tfrac{1}{2}\sqrt{3}\,V_0")
@@ -537,11 +540,11 @@ def _examples() -> Items:
         equation(
             start,
             sp.Rational(1, 30),
-            {start: FIXED + RADIUS, FIXED: response(doubled)[0], RADIUS: sp.Rational(1, 5)},
+            {start: FIXED + RADIUS, FIXED: doubled_position, RADIUS: radius},
         ),
         r"has $R = \frac{1}{5}$. It never meets a belt, since",
-        equation(largest, sp.Rational(8, 15), {largest: response(doubled)[1] + sp.Rational(1, 5)}),
-        step(largest, "<", 1, sign({largest: response(doubled)[1] + sp.Rational(1, 5)})),
+        equation(largest, sp.Rational(8, 15), {largest: doubled_speed + radius}),
+        step(largest, "<", 1, sign({largest: doubled_speed + radius})),
         r"and has the period $2T$.\end{example}",
         r"\begin{example}[tori]\label{thm:undamped-tori} Let $k = 2$, $\Omega = 2$. The ratio "
         r"$\omega_0/\Omega = 1/\sqrt{2}$ is irrational, and $V_0 = |B_0|$, as for $B_0 = "
@@ -568,14 +571,12 @@ def _examples() -> Items:
         *_numbers(harmonic),
         r"is above $w = 1$, and the response with $R = 0$ meets the belts. But with $z = "
         r"\frac{1}{18}X_0\cos 3\Omega t$ the largest velocity is",
-        step(
-            limit, "<", 1, sign({limit: sp.sqrt(3) * RESPONSE / 2, RESPONSE: response(harmonic)[1]})
-        ),
+        step(limit, "<", 1, sign({limit: sp.sqrt(3) * RESPONSE / 2, RESPONSE: harmonic_speed})),
         r"at most, and the motion that starts at rest at",
         equation(
             start,
             sp.Rational(209, 60),
-            {start: FIXED * sp.Rational(19, 18), FIXED: response(harmonic)[0]},
+            {start: FIXED * sp.Rational(19, 18), FIXED: harmonic_position},
         ),
         r"has no events.\end{example}",
     )
