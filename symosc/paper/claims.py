@@ -142,33 +142,35 @@ def read_claims(
         one_of(path.name, "part", part, PARTS)
     for part in PARTS:
         for name, table in data.get(part, {}).items():
-            where = f"{path.name}, claim {name}"
-            kebab(where, name)
+            location = f"{path.name}, claim {name}"
+            kebab(location, name)
             if name in claims:
-                raise RecordsError(where, f"is in {claims[name].part} already")
-            _check_texts(where, table)
+                raise RecordsError(location, f"is in {claims[name].part} already")
+            _check_texts(location, table)
             see = table.pop("see", ())
             for target in see:
-                one_of(where, "see", target, kinds)
+                one_of(location, "see", target, kinds)
             shown = ("figures", "derivation", "errata")
             figures, chapters, errata = (
                 tuple(target for target in see if kinds[target] == kind) for kind in shown
             )
             if len(chapters) > 1:
-                raise RecordsError(where, f"see: one chapter at most, not {' and '.join(chapters)}")
+                raise RecordsError(
+                    location, f"see: one chapter at most, not {' and '.join(chapters)}"
+                )
             check = _check_call(
-                where, checks, table.pop("check", f"{part}.{name.replace('-', '_')}")
+                location, checks, table.pop("check", f"{part}.{name.replace('-', '_')}")
             )
             derivation = next(iter(chapters), None)
             texts = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
             texts |= {key: one_line(value) for key, value in table.items()}
-            one_of(where, "verdict", texts["verdict"], VERDICTS)
+            one_of(location, "verdict", texts["verdict"], VERDICTS)
             has_correction = "correction" in table
             is_faulty = texts["verdict"] in FAULTY
             if not has_correction == bool(errata) == is_faulty:  # all three or none
                 faulty = " or ".join(map(repr, FAULTY))
                 raise RecordsError(
-                    where,
+                    location,
                     f"must have a correction and see an erratum if its verdict is {faulty} only",
                 )
             claims[name] = Claim(
@@ -183,13 +185,13 @@ def read_claims(
     return tuple(claims.values()), tuple(unjudged)
 
 
-def _check_texts(where: str, table: dict[str, Any]) -> None:
+def _check_texts(location: str, table: dict[str, Any]) -> None:
     """Raise RecordsError if a claim's table lacks a required entry, has an unknown one, or one that
     is not text.
     """
     if not set(REQUIRED) <= set(table) <= {*REQUIRED, *OPTIONAL}:
         rule = f"must have {', '.join(REQUIRED)}, and may have {', '.join(OPTIONAL)}"
-        raise RecordsError(where, f"has {', '.join(table)}; {rule}")
+        raise RecordsError(location, f"has {', '.join(table)}; {rule}")
     for key, value in table.items():
         if key == "see":
             texts = value
@@ -199,11 +201,12 @@ def _check_texts(where: str, table: dict[str, Any]) -> None:
             isinstance(text, str) and text.strip() for text in texts
         ):
             raise RecordsError(
-                where, f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}"
+                location,
+                f"{key} = {value!r}: must be {'a list of texts' if key == 'see' else 'text'}",
             )
 
 
-def _check_call(where: str, package: str, text: str) -> Callable[[], Evidence]:
+def _check_call(location: str, package: str, text: str) -> Callable[[], Evidence]:
     """Return the function call that a text such as "motions.together(FIG5, 1)" describes, ready to
     be run.
     """
@@ -219,7 +222,7 @@ def _check_call(where: str, package: str, text: str) -> Callable[[], Evidence]:
         return partial(names[function], *values)
     except (ModuleNotFoundError, KeyError, SyntaxError, ValueError) as error:
         raise RecordsError(
-            where, f"check = {text!r}: there is no such function, or value, in {package}"
+            location, f"check = {text!r}: there is no such function, or value, in {package}"
         ) from error
 
 

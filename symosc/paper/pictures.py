@@ -569,9 +569,9 @@ def window_graze(mapping: str) -> Event | None:
     """Return the first graze in a mapping's scene at the mapping's belt and from its domain; None
     if there is none.
     """
-    where = place(mapping)
+    grazing_place = place(mapping)
     events = simulate(WINDOW_SCENES[mapping]).events
-    sought = ("graze", where.boundary, f"Omega{where.domain}")
+    sought = ("graze", grazing_place.boundary, f"Omega{grazing_place.domain}")
     return next(
         (event for event in events if (event.kind, event.boundary, event.source) == sought), None
     )
@@ -581,20 +581,20 @@ def window_sweep(mapping: str) -> Figure:
     """Draw the grazing phases of a mapping against the belt's speed, and mark those that Theorem 7
     leaves out.
     """
-    where = place(mapping)
+    grazing_place = place(mapping)
     (p, equality, free) = window_parameters(mapping)
     drawing = sweep_figure(
-        free, mapping, f"v{where.boundary}", -2 * equality, 2 * equality, order="full"
+        free, mapping, f"v{grazing_place.boundary}", -2 * equality, 2 * equality, order="full"
     )
     drawing.set_size_inches(3.6, 3.1)
     (axes,) = drawing.axes
-    axes.title.set_text(f"phases at which $P_{mapping[1]}$ grazes, eq. ({where.equation})")
+    axes.title.set_text(f"phases at which $P_{mapping[1]}$ grazes, eq. ({grazing_place.equation})")
     for area in axes.collections:
         area.set_linewidth(1.0)  # no seam where two areas meet
     names = {
-        "given value": f"$v_{where.boundary}$ in Fig. "
+        "given value": f"$v_{grazing_place.boundary}$ in Fig. "
         f"{printed_scene(WINDOW_SCENES[mapping]).removeprefix('fig')}",
-        "belongs to it": f"grazes, not in ({where.equation})",
+        "belongs to it": f"grazes, not in ({grazing_place.equation})",
         "does not belong to it": "does not graze",
     }
     for line in axes.lines:
@@ -627,7 +627,7 @@ def window_caption(mapping: str) -> str:
     """Return the caption of the figure of a mapping's grazing phases against the belt's speed
     (Theorem 7).
     """
-    where = place(mapping)
+    grazing_place = place(mapping)
     graze = window_graze(mapping)
     p, equality, free = window_parameters(mapping)
     _, _, case = grazing_window(p, mapping).case.strip("()").partition(".")  # of "(55.1)"
@@ -635,30 +635,30 @@ def window_caption(mapping: str) -> str:
         red = ""
     else:
         red = f"; star: its graze at t = {number(float(graze.t), 7)}"
-    speed = f"v{where.boundary}"
+    speed = f"v{grazing_place.boundary}"
     critical = "Θ^{cr}"
     figure = printed_scene(WINDOW_SCENES[mapping]).removeprefix("fig")
     caption = (
-        f"Theorem 7, eq. ({where.equation}): the phases mod(Ωtₘ, 2π) at which {mapping}, a "
+        f"Theorem 7, eq. ({grazing_place.equation}): the phases mod(Ωtₘ, 2π) at which {mapping}, a "
         "motion in domain "
-        f"{where.domain}, grazes belt {where.boundary} (shaded), against the belt's speed "
+        f"{grazing_place.domain}, grazes belt {grazing_place.boundary} (shaded), against the belt's speed "
         f"{speed}, which makes "
         f"γ = k {speed}/m and so the case of the theorem. Dashed: {critical} = arcsin(−γ m/(B0 "
         f"Ω)) and π − {critical}, "
         "which do not belong to it; dots: |γ| = B0 Ω/m, where a full one grazes and an open one "
         "does not. "
-        f"Dotted: {speed} in Fig. {figure}, case {case} of ({where.equation}){red}. "
+        f"Dotted: {speed} in Fig. {figure}, case {case} of ({grazing_place.equation}){red}. "
     )
-    at_equality = free.replace(**{speed: where.side * equality})
+    at_equality = free.replace(**{speed: grazing_place.side * equality})
     printed = grazing_window(at_equality, mapping, "paper")
     full = grazing_window(at_equality, mapping, "full")
     if printed.intervals != full.intervals:
         quarters = Fraction(printed.ends[0] / pi).limit_denominator(4)
         phase = f"{quarters.numerator if quarters.numerator > 1 else ''}π/{quarters.denominator}"
         caption += (
-            f"At the full dot, {speed} = {number(float(where.side * equality))}, {phase}, the "
+            f"At the full dot, {speed} = {number(float(grazing_place.side * equality))}, {phase}, the "
             "force and its first two "
-            f"derivatives vanish and the third decides: it grazes, though ({where.equation}) as "
+            f"derivatives vanish and the third decides: it grazes, though ({grazing_place.equation}) as "
             "printed leaves it out. "
         )
     return f"{caption}{listed_parameters(p)}."

@@ -283,7 +283,7 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
     # The two samples of the step, and up to SAMPLES_BESIDE on either side.
     around = slice(max(0, step - SAMPLES_BESIDE), step + 2 + SAMPLES_BESIDE)
     p = check.trajectory.parameters
-    shown = values[around]
+    shown_values = values[around]
     events = tuple[Event, ...]()
     begin = float(check.t[step])
     end = float(check.t[step + 1])
@@ -293,7 +293,7 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
         events = motion.events[:MOST_STEP_EVENTS]
         x, v = motion(t)
         exact = v if of_velocity else x
-        shown = np.append(shown, exact)
+        shown_values = np.append(shown_values, exact)
         ax.plot(t, exact, color=color, lw=1.4, label="exact, from the sample before")
         ax.plot(
             t[-1:],
@@ -315,9 +315,9 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
         mew=1.6,
         label="given, end of this step",
     )
-    margin = 0.08 * (float(np.ptp(shown)) or 1.0)
-    low = float(np.min(shown)) - margin
-    high = float(np.max(shown)) + margin
+    margin = 0.08 * (float(np.ptp(shown_values)) or 1.0)
+    low = float(np.min(shown_values)) - margin
+    high = float(np.max(shown_values)) + margin
     if of_velocity:
         draw_belts(ax, (p.v1, p.v2), low, high)
     for number, event in enumerate(events):

@@ -255,20 +255,20 @@ def curve_figure(
     column = read_column(dataset, name)
     (axis,) = read_axes(column, 1, "a curve")
     column = column.sortby(axis)
-    shown = column.values
+    column_values = column.values
     values = column[axis].values
     with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
-        if shown.dtype.kind in "UO":
-            words, levels = np.unique(shown.astype(str), return_inverse=True)
+        if column_values.dtype.kind in "UO":
+            words, levels = np.unique(column_values.astype(str), return_inverse=True)
             axes.plot(values, levels, linestyle="none", marker="o", ms=2.5, color="black")
             axes.set_yticks(range(len(words)), [typeset(word) for word in words])
         else:
             axes.plot(
                 values,
-                shown,
+                column_values,
                 color="black",
                 lw=0.8,
-                drawstyle="steps-mid" if shown.dtype.kind in "iu" else None,
+                drawstyle="steps-mid" if column_values.dtype.kind in "iu" else None,
             )
         axes.set(xlabel=label(axis), ylabel=label(str(column.name)), xlim=values[[0, -1]])
     return drawing

@@ -222,11 +222,12 @@ def _contacts(axes: Axes, window: GrazingWindow) -> None:
     phase theta.
     """
     p = window.parameters
-    where = window.place
+    grazing_place = window.place
     axes.set(xlim=(0, TURN), xlabel=PHASE_LABEL, ylabel="$x_m$")
     axes.set_xticks(np.arange(5) * pi / 2, PHASE_TICKS)
     axes.set_title(
-        f"domain {where.domain} at $v_{where.boundary} = {show(window.speed)}$", fontsize=8
+        f"domain {grazing_place.domain} at $v_{grazing_place.boundary} = {show(window.speed)}$",
+        fontsize=8,
     )
     if p.k == 0:
         axes.set_yticks([])
@@ -242,7 +243,7 @@ def _contacts(axes: Axes, window: GrazingWindow) -> None:
         for theta in window.contact_phases:
             axes.axvline(float(theta), color=INSIDE_COLOR, linewidth=1.6)
         return
-    middle = float((p.A(where.domain) - p.c * window.speed) / p.k)
+    middle = float((p.A(grazing_place.domain) - p.c * window.speed) / p.k)
     amplitude = float(p.B0 / p.k)
     # The whole curve thin, and over it the window thick.
     curves = [

@@ -227,13 +227,15 @@ def start_before_a_peak(
     """Return t0, x0, v0 from which v peaks at t_m, `height` beyond the belt of a graze."""
     # That is the start of the orbit that grazes a belt which is faster by `height`, or short of it
     # (height < 0).
-    where = place(mapping)
-    speed = p.belt(where.boundary)
-    if where.domain == where.boundary:
+    grazing_place = place(mapping)
+    speed = p.belt(grazing_place.boundary)
+    if grazing_place.domain == grazing_place.boundary:
         speed += height
     else:
         speed -= height
-    start = grazing_start(p.replace(**{f"v{where.boundary}": speed}), mapping, t_m=t_m, t0=t0).start
+    start = grazing_start(
+        p.replace(**{f"v{grazing_place.boundary}": speed}), mapping, t_m=t_m, t0=t0
+    ).start
     return t0, short(Fraction(start["x0"])), short(Fraction(start["v0"]))
 
 
@@ -395,7 +397,7 @@ def grazes() -> Iterator[ReferenceCase]:
     for regime, changes in DAMPED.items():
         p = GRAZING.replace(**changes)
         for mapping, t_m in GRAZE_TIMES.items():
-            where = place(mapping)
+            grazing_place = place(mapping)
             t0 = Fraction(t_m) - BEFORE
             # Half of the digits remain at the graze, where the gap is a square.
             start = grazing_start(p, mapping, t_m=t_m, t0=t0, digits=95).start
@@ -403,9 +405,7 @@ def grazes() -> Iterator[ReferenceCase]:
             error = 5 * last_digit  # the exact v0 is within so many units of the last digit
             name = f"graze-{regime.replace(' ', '-')}-{mapping}"
             scene = Scene(name, p, t_end=t0 + FOLLOWED, **start | {"start_error": (0, 0, error)})
-            hard = (
-                f"{GRAZE_HARD}; {regime}, belt {where.boundary} touched from domain {where.domain}"
-            )
+            hard = f"{GRAZE_HARD}; {regime}, belt {grazing_place.boundary} touched from domain {grazing_place.domain}"
             yield _case(GRAZES, scene, hard, GRAZE_SOURCE, (f"t[0] = {t_m}",))
 
 
@@ -488,12 +488,12 @@ def _limit_speed_cases() -> Iterator[ReferenceCase]:
         else:
             closed = ()
         if b > 0:
-            where = f"{beyond} beyond the belt's speed"
+            limit_text = f"{beyond} beyond the belt's speed"
         elif not b:
-            where = "that is the belt's speed"
+            limit_text = "that is the belt's speed"
         else:
-            where = "short of it"
-        hard = f"the velocity tends to a limit {where}"
+            limit_text = "short of it"
+        hard = f"the velocity tends to a limit {limit_text}"
         yield _case(
             RESTS, _scene(p, (0, 0, 0), 40, f"limit-speed-{number}"), hard, ELEMENTARY, closed
         )

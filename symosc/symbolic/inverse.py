@@ -618,19 +618,19 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
     """Return the region of two parameters, or the allowed values of one, for which the question's
     property holds.
     """
-    where = place(question.mapping)
+    grazing_place = place(question.mapping)
     name = question.names[0]
     if len(question.names) == 2:
-        return _region(p, where, question, full)
-    belt = f"v{where.boundary}"
-    second_belt = f"v{3 - where.boundary}"
+        return _region(p, grazing_place, question, full)
+    belt = f"v{grazing_place.boundary}"
+    second_belt = f"v{3 - grazing_place.boundary}"
     values = QUERY_LETTERS
     if p is not None:
         values = {
             parameter: rational(getattr(p, parameter))
             for parameter in ("k", "B0", "Omega", second_belt)
         }
-        values["v"] = rational(p.belt(where.boundary))
+        values["v"] = rational(p.belt(grazing_place.boundary))
     # The values that Parameters allows; the belt's speed is "v" in formulas, v1 or v2 here.
     domains = {
         "Omega": sp.Interval.open(0, sp.oo),
@@ -648,19 +648,19 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
     solved_for = letter, values, domain
     if question.asked == "empty":
         # No phase has side (k v + B0 Omega sin theta) > 0.
-        solved = _solve_for_all_phases(*solved_for, -where.side, closed=True, at_zero=True)
+        solved = _solve_for_all_phases(*solved_for, -grazing_place.side, closed=True, at_zero=True)
     elif question.asked == "everything":
-        solved = _solve_for_all_phases(*solved_for, where.side, closed=full, at_zero=False)
+        solved = _solve_for_all_phases(*solved_for, grazing_place.side, closed=full, at_zero=False)
     elif isinstance(question.theta, PhaseInterval):
         # With numbers, as they are here, each phase has answers without further conditions.
         decided = [
-            _containing(*solved_for, where.side, extreme, full)
+            _containing(*solved_for, grazing_place.side, extreme, full)
             for extreme in question.theta.deciding((-1, 1))
         ]
         sets = [answer.values for answers in decided for answer in answers]
         solved = iter([Answer(sp.true, sp.Intersection(*sets))])
     else:
-        solved = _containing(*solved_for, where.side, (question.theta, True), full)
+        solved = _containing(*solved_for, grazing_place.side, (question.theta, True), full)
     conditions: dict[Expr, Expr] = {}  # conditions with one answer are joined
     for condition, inside in solved:
         if condition != sp.false:
@@ -820,7 +820,7 @@ def _positive(expr: Expr) -> Iterator[tuple[bool, Expr]]:
 
 
 def _region(
-    p: Parameters | None, where: Place, question: GrazingQuestion, full: bool
+    p: Parameters | None, grazing_place: Place, question: GrazingQuestion, full: bool
 ) -> ParameterRegion:
     """Return the region of two parameters where the window has the property asked for.
 
@@ -830,15 +830,15 @@ def _region(
         raise ParameterError(
             "p", p, "must be Parameters where a region of two parameters is asked for"
         )
-    belt = f"v{where.boundary}"
+    belt = f"v{grazing_place.boundary}"
     values = {name: rational(getattr(p, name)) for name in ("k", "B0", "Omega", belt)}
     values |= {name: QUERY_LETTERS[name] for name in question.names}
-    level = where.side * values["k"] * values[belt]
+    level = grazing_place.side * values["k"] * values[belt]
     coefficient, _ = level.as_coeff_Mul()
     scale = abs(coefficient) or sp.S.One  # k > 2, not 25 k > 50
     level = level / scale
     Omega = values["Omega"] / scale
-    drive = where.side * values["B0"] * Omega
+    drive = grazing_place.side * values["B0"] * Omega
     size = sp.Abs(values["B0"]) * Omega
     if question.asked == "contains":
         # The smallest value is where the sine is smallest if drive > 0, and where it is largest if

@@ -149,12 +149,12 @@ def theorem7(
     require(TEXT, mapping=mapping)
     require(NUMBER, gamma=gamma, amplitude=amplitude)
     require(ORDER, order=order)
-    where = cases.place(mapping)
+    grazing_place = cases.place(mapping)
     full = order == "full"
     gamma = real("gamma", gamma)
     amplitude = real("amplitude", amplitude)
     if not gamma.free_symbols and not amplitude.free_symbols:
-        return window_phases(where, gamma, amplitude, full)
+        return window_phases(grazing_place, gamma, amplitude, full)
 
     def substituted(expr: Expr) -> Expr:
         if isinstance(expr, sp.Union):
@@ -162,7 +162,7 @@ def theorem7(
         return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
 
     # The sets are written for the signs that the condition demands.
-    conditioned = ((case, substituted(case.condition)) for case in all_cases(where, full))
+    conditioned = ((case, substituted(case.condition)) for case in all_cases(grazing_place, full))
     left = ((case, condition) for case, condition in conditioned if condition != sp.false)
     return Theorem7Cases(
         Case(case.label, condition, substituted(case.phases)) for case, condition in left
@@ -188,25 +188,25 @@ def critical_phase(gamma: Expr, amplitude: Expr) -> Expr | None:
 
 
 def window_phases(
-    where: cases.Place,
+    grazing_place: cases.Place,
     gamma: Expr,
     amplitude: Expr,
     full: bool,
     known_signs: tuple[int, int, int] | None = None,
 ) -> Expr:
-    """Return the set of phases at which a contact with the boundary of `where` grazes (Theorem 7).
+    """Return the set of phases at which a contact with the boundary of `grazing_place` grazes (Theorem 7).
 
     The signs of gamma and amplitude must be decidable, or given by `known_signs` (as `signs` returns
     them). `full` is the order "full" of `theorem7`, else it is "paper".
     """
     gamma_sign, amplitude_sign, excess_sign = known_signs or signs(gamma, amplitude)
-    kind = cases.window_kind(where.side, gamma_sign, amplitude_sign, excess_sign, full)
+    kind = cases.window_kind(grazing_place.side, gamma_sign, amplitude_sign, excess_sign, full)
     if kind == cases.EVERYTHING:
         return CIRCLE
     if kind == cases.EMPTY:
         return sp.S.EmptySet
     # It grazes where sin(theta) is above sin(theta_cr), or else where it is below.
-    above = where.side * amplitude_sign > 0
+    above = grazing_place.side * amplitude_sign > 0
     if kind == cases.ALL_BUT_ONE:
         if above:
             point = BOTTOM
@@ -252,7 +252,7 @@ def _interval(low: Expr, high: Expr, closed: bool = False) -> Expr:
 
 
 @cache
-def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
+def all_cases(grazing_place: cases.Place, full: bool) -> tuple[Case, ...]:
     """Return the cases of Theorem 7 for a boundary, those with a = B0 Omega/m > 0 first.
 
     `full`: to all orders.
@@ -275,26 +275,28 @@ def all_cases(where: cases.Place, full: bool) -> tuple[Case, ...]:
             ((-1, 1), g < -size),
             ((-1, 0), sp.Eq(g, -size)),
         ]
-        if where.side < 0:  # in (56) the second and third are one, and the last two change places
+        if (
+            grazing_place.side < 0
+        ):  # in (56) the second and third are one, and the last two change places
             first, _, _, zero, inside, outside, equal = rows
             rows = [first, ((1, 0), g >= size), zero, inside, equal, outside]
         rows_of_signs += [
             ((gamma_sign, amplitude_sign, excess), condition & amplitude_condition)
             for (gamma_sign, excess), condition in rows
         ]
-    if where.side > 0:
+    if grazing_place.side > 0:
         nothing = g <= 0
         everything = g > 0
     else:
         nothing = g >= 0
         everything = g < 0
-    for gamma_sign, condition in ((where.side, everything), (0, nothing)):
+    for gamma_sign, condition in ((grazing_place.side, everything), (0, nothing)):
         rows_of_signs.append(((gamma_sign, 0, gamma_sign), condition & sp.Eq(a, 0)))
     return tuple(
         Case(
-            cases.case_label(where, *known_signs),
+            cases.case_label(grazing_place, *known_signs),
             condition,
-            window_phases(where, g, a, full, known_signs),
+            window_phases(grazing_place, g, a, full, known_signs),
         )
         for known_signs, condition in rows_of_signs
     )

@@ -217,16 +217,16 @@ def _fit_of(search: Search, robust: bool) -> Fit:
     if robust:
         chosen = search.robust()
         verdict = chosen.verdict
-        kept = verdict.kept
+        is_kept = verdict.kept
         losses = chosen.losses(measured.weighted)
     else:
         chosen = search.plain
         verdict = strict(chosen.verdict)
-        kept = np.ones(len(chosen.at.residuals), dtype=bool)
+        is_kept = np.ones(len(chosen.at.residuals), dtype=bool)
         losses = 1.0
     # The size of each number, by which its changes are compared; 1 for a number that begins at 0.
     steps = np.array([abs(value) or 1.0 for value in search.first.tolist()])
-    spread = spread_of(problem, chosen.at, steps, kept, search.places, losses)
+    spread = spread_of(problem, chosen.at, steps, is_kept, search.places, losses)
     errors = spread.errors
     # Without sigma the residuals tell the errors, and as many data as numbers leave no residuals.
     if not measured.weighted and len(chosen.at.residuals) <= len(names):

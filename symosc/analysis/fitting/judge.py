@@ -84,15 +84,15 @@ class FitVerdict(NamedTuple):
 
 
 def judge(
-    problem: FitProblem, at: Evaluation, digits: dict[str, Digits], places: np.ndarray
+    problem: FitProblem, at: Evaluation, digits: dict[str, Digits], last_places: np.ndarray
 ) -> FitVerdict:
     """Return the verdict on residuals, where few outliers are allowed.
 
-    `digits` is the rounding of the data, `places` a unit in the last place for each residual.
+    `digits` is the rounding of the data, `last_places` a unit in the last place for each residual.
     """
     if problem.measured.weighted:
-        return _with_sigma(problem, at, digits, places)
-    return _without_sigma(problem, at, places)
+        return _with_sigma(problem, at, digits, last_places)
+    return _without_sigma(problem, at, last_places)
 
 
 def strict(verdict: FitVerdict) -> FitVerdict:
@@ -107,36 +107,36 @@ def outliers_of(
     measured: Measured, residuals: np.ndarray, verdict: FitVerdict
 ) -> tuple[Outlier, ...]:
     """Return the outliers of a verdict, the worst first."""
-    off = residuals / verdict.scales
+    sigmas_off = residuals / verdict.scales
     rows = np.flatnonzero(~verdict.kept)
-    return tuple(_outlier(measured, off, row) for row in _worst_first(rows, off))
+    return tuple(_outlier(measured, sigmas_off, row) for row in _worst_first(rows, sigmas_off))
 
 
 def worst(measured: Measured, residuals: np.ndarray, verdict: FitVerdict) -> str:
     """Return a text on the largest residuals."""
-    off = residuals / verdict.scales
-    rows = _worst_first(np.arange(len(off)), off)[:NAMED]
-    return ", ".join(str(_outlier(measured, off, row)) for row in rows)
+    sigmas_off = residuals / verdict.scales
+    rows = _worst_first(np.arange(len(sigmas_off)), sigmas_off)[:NAMED]
+    return ", ".join(str(_outlier(measured, sigmas_off, row)) for row in rows)
 
 
-def _worst_first(rows: np.ndarray, off: np.ndarray) -> list[int]:
+def _worst_first(rows: np.ndarray, sigmas_off: np.ndarray) -> list[int]:
     """Return rows in the order of their residuals, the largest first."""
-    sizes = np.abs(off[rows])
+    sizes = np.abs(sigmas_off[rows])
     return [int(row) for row in rows[np.lexsort((rows, -sizes.round(6)))]]
 
 
-def _outlier(measured: Measured, off: np.ndarray, row: int) -> Outlier:
+def _outlier(measured: Measured, sigmas_off: np.ndarray, row: int) -> Outlier:
     """Return a residual as an `Outlier`."""
     column, number = divmod(row, len(measured.t))
     if measured.kinds is None:
         name = measured.columns[column]
     else:
         name = str(measured.kinds[number])
-    return Outlier(number, name, float(measured.t[number]), float(off[row]))
+    return Outlier(number, name, float(measured.t[number]), float(sigmas_off[row]))
 
 
 def _with_sigma(
-    problem: FitProblem, at: Evaluation, digits: dict[str, Digits], places: np.ndarray
+    problem: FitProblem, at: Evaluation, digits: dict[str, Digits], last_places: np.ndarray
 ) -> FitVerdict:
     """Return the verdict by the sum of squares, whose distribution is known."""
     from scipy.stats import chi2, norm
@@ -146,67 +146,67 @@ def _with_sigma(
     free = len(problem.names)
     scales = np.ones(count)
     # LEVEL is the probability that any of all `count` residuals, of either sign, is beyond this.
-    kept = np.abs(residuals) <= norm.isf(LEVEL / (2 * count))
-    are_rounded = _are_rounded(residuals, places)
-    rounding_deviation = np.max(places) / np.sqrt(12.0)  # of errors uniform in one unit
+    is_kept = np.abs(residuals) <= norm.isf(LEVEL / (2 * count))
+    are_rounded = _are_rounded(residuals, last_places)
+    rounding_deviation = np.max(last_places) / np.sqrt(12.0)  # of errors uniform in one unit
     if are_rounded and rounding_deviation <= ROUNDED:
         return FitVerdict(True, "", np.ones(count, dtype=bool), scales)
-    squares_kept = float(residuals[kept] @ residuals[kept])
-    is_likely = squares_kept <= chi2.isf(LEVEL, max(int(kept.sum()) - free, 1))
+    squares_kept = float(residuals[is_kept] @ residuals[is_kept])
+    is_likely = squares_kept <= chi2.isf(LEVEL, max(int(is_kept.sum()) - free, 1))
     # A fit passes through as many data as it has numbers: those alone show nothing.
-    are_enough = kept.sum() > min(free, count - 1)
-    if is_likely and _are_few(kept) and are_enough:
-        return FitVerdict(True, "", kept, scales)
+    are_enough = is_kept.sum() > min(free, count - 1)
+    if is_likely and _are_few(is_kept) and are_enough:
+        return FitVerdict(True, "", is_kept, scales)
     chi_squared = float(residuals @ residuals)
     text = f"chi² is {chi_squared:.4g}, and {max(count - free, 1)} was to be expected"
     if are_rounded:
         names = ", ".join(f"{name} to {column.text}" for name, column in digits.items())
         text += f"; sigma is smaller than the errors of rounding ({names})"
-    return FitVerdict(False, text, kept, scales)
+    return FitVerdict(False, text, is_kept, scales)
 
 
-def _are_rounded(off: np.ndarray, places: np.ndarray) -> bool:
+def _are_rounded(residuals: np.ndarray, last_places: np.ndarray) -> bool:
     """Return whether residuals are those of rounding alone.
 
     Each rounding error is at most half a unit, and a fit makes the sum of the squares smaller.
     """
-    least_squares = float(off @ off) <= float(places @ places) / 4.0
-    return least_squares and bool(np.all(np.abs(off) <= MOST_UNITS * places))
+    least_squares = float(residuals @ residuals) <= float(last_places @ last_places) / 4.0
+    return least_squares and bool(np.all(np.abs(residuals) <= MOST_UNITS * last_places))
 
 
-def _are_few(kept: np.ndarray) -> bool:
-    """Return whether so few data are not `kept` that they may be outliers."""
-    return len(kept) - int(kept.sum()) <= max(1, int(MOST_OUTLIERS * len(kept)))
+def _are_few(is_kept: np.ndarray) -> bool:
+    """Return whether so few data are not `is_kept` that they may be outliers."""
+    return len(is_kept) - int(is_kept.sum()) <= max(1, int(MOST_OUTLIERS * len(is_kept)))
 
 
-def _without_sigma(problem: FitProblem, at: Evaluation, places: np.ndarray) -> FitVerdict:
+def _without_sigma(problem: FitProblem, at: Evaluation, last_places: np.ndarray) -> FitVerdict:
     """Return the verdict by the structure of the residuals, whose size is unknown."""
     residuals = at.residuals
     count = len(residuals)
     free = len(problem.names)
     all_rows = np.ones(count, dtype=bool)
     is_telling = informative(at.slopes, np.ones(free))
-    scales = _estimated_scales(problem, residuals, is_telling, places)
+    scales = _estimated_scales(problem, residuals, is_telling, last_places)
     relative_size = float(np.sqrt(np.mean((residuals / problem.sizes) ** 2)))
-    if relative_size <= EXACT or _are_rounded(residuals, places):
+    if relative_size <= EXACT or _are_rounded(residuals, last_places):
         return FitVerdict(True, "", all_rows, scales)
     if count <= free:
         text = "there are no more data than numbers, and yet it does not pass through them"
         return FitVerdict(relative_size <= np.sqrt(EXACT), text, all_rows, scales)
     limit, limit_for_few = OUTLYING
-    kept = np.abs(residuals) <= (limit + limit_for_few / (count - free)) * scales
-    if not _are_few(kept):
+    is_kept = np.abs(residuals) <= (limit + limit_for_few / (count - free)) * scales
+    if not _are_few(is_kept):
         text = "the residuals of many data are far larger than those of half of them"
-        return FitVerdict(False, text, kept, scales)
+        return FitVerdict(False, text, is_kept, scales)
     lateness = 0.0  # of events, as a part of the time between them; samples are not judged by it
     if problem.measured.states is None:
-        lateness = float(np.sqrt(np.mean(residuals[kept] ** 2))) / _time_between(at)
+        lateness = float(np.sqrt(np.mean(residuals[is_kept] ** 2))) / _time_between(at)
     if lateness > UNRECOGNISED:
         off_by = f"events are off by {lateness:.1%} of the time between events of a kind"
         text = f"{off_by}, and no sigma says so"
-        return FitVerdict(False, text, kept, scales)
-    text = _structure(problem, residuals, kept & is_telling)
-    return FitVerdict(not text, text, kept, scales)
+        return FitVerdict(False, text, is_kept, scales)
+    text = _structure(problem, residuals, is_kept & is_telling)
+    return FitVerdict(not text, text, is_kept, scales)
 
 
 def _time_between(at: Evaluation) -> float:
@@ -219,34 +219,34 @@ def _time_between(at: Evaluation) -> float:
 
 
 def _estimated_scales(
-    problem: FitProblem, off: np.ndarray, telling: np.ndarray, places: np.ndarray
+    problem: FitProblem, residuals: np.ndarray, telling: np.ndarray, last_places: np.ndarray
 ) -> np.ndarray:
     """Return the standard deviation of each residual, by the median of its column.
 
     Rows that are not `telling` do not count if others are: in a stick v is known without error.
     """
     # A fit of n numbers makes the residuals smaller than the errors, by this factor on average.
-    growth = np.sqrt(len(off) / max(len(off) - len(problem.names), 1))
-    scales = np.ones(len(off))
+    growth = np.sqrt(len(residuals) / max(len(residuals) - len(problem.names), 1))
+    scales = np.ones(len(residuals))
     for rows in column_rows(problem):
-        sizes = np.abs(off[rows])
+        sizes = np.abs(residuals[rows])
         sizes = sizes[telling[rows]] if telling[rows].any() else sizes
         if len(sizes) < FEW:
             scale = float(np.sqrt(np.mean(sizes**2)))
         else:
             scale = MEDIAN_SCALE * float(np.median(sizes))
-        rounding = float(np.max(places[rows])) / np.sqrt(12.0)  # of errors uniform in one unit
+        rounding = float(np.max(last_places[rows])) / np.sqrt(12.0)  # of errors uniform in one unit
         scales[rows] = max(growth * scale, rounding, EXACT * float(np.max(problem.sizes[rows])))
     return scales
 
 
-def _structure(problem: FitProblem, off: np.ndarray, kept: np.ndarray) -> str:
+def _structure(problem: FitProblem, residuals: np.ndarray, is_kept: np.ndarray) -> str:
     """Return a text on residuals that are like their neighbours in time; "" if they are not."""
     from scipy.stats import norm
 
     order = np.argsort(problem.measured.t, kind="stable")
     for name, rows in zip(problem.measured.columns, column_rows(problem), strict=True):
-        series = off[rows][order][kept[rows][order]]
+        series = residuals[rows][order][is_kept[rows][order]]
         if len(series) < 3 or not np.any(series):
             continue
         # Of independent errors the ratio of von Neumann is 2 ± 2 / sqrt(n); it is 2 minus twice the

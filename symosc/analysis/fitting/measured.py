@@ -86,18 +86,18 @@ def read_measured(data: Any, columns: Mapping[str, str | None] | None, scene: Pr
     if isinstance(columns, Mapping):
         sample_columns = {name: column for name, column in columns.items() if name != KIND}
     asked = read_column_names(sample_columns)
-    where = "data"
+    source_name = "data"
     if isinstance(data, str | Path):
-        where = "standard input" if data == "-" else str(data)
-        data = _content(data, kind, asked, where)
+        source_name = "standard input" if data == "-" else str(data)
+        data = _content(data, kind, asked, source_name)
         if isinstance(data, _Chosen):
             return _of_columns(data.columns, data.lines)
     table = _table(data)
     if table is None:
         rows = _rows(data)
-        return _of_columns(rows) if rows else _of_solution(data, asked, scene, where)
+        return _of_columns(rows) if rows else _of_solution(data, asked, scene, source_name)
     return _of_columns(
-        {name: table[own] for name, own in _choose(table, kind, asked, where).items()}
+        {name: table[own] for name, own in _choose(table, kind, asked, source_name).items()}
     )
 
 
@@ -111,12 +111,12 @@ class _Chosen:
             self.columns[name] = [plain_number(cell) for cell in self.columns[name]]
 
 
-def _content(path: str | Path, kind: str | None, asked: Asked, where: str) -> Any:
+def _content(path: str | Path, kind: str | None, asked: Asked, source_name: str) -> Any:
     """Return the content of a file: the `_Chosen` of a text file, else objects such as tables."""
     chosen: list[str] = []
 
     def choose(names: list[str]) -> dict[str, str]:
-        columns = _choose(names, kind, asked, where)
+        columns = _choose(names, kind, asked, source_name)
         chosen[:] = columns
         return columns
 
@@ -133,7 +133,9 @@ def _table(data: Any) -> dict[str, Any] | None:
     return as_table(data)
 
 
-def _choose(names: Iterable[str], kind: str | None, asked: Asked, where: str) -> dict[str, str]:
+def _choose(
+    names: Iterable[str], kind: str | None, asked: Asked, source_name: str
+) -> dict[str, str]:
     """Return which of the column `names` are t and kind, or else t, x and perhaps v."""
     known = list(map(str, names))
     if kind is None:
@@ -143,10 +145,10 @@ def _choose(names: Iterable[str], kind: str | None, asked: Asked, where: str) ->
         kinds = [name for name in known if name == kind]
     if kind is not None and not kinds:
         raise ParameterError(
-            "column", kind, f"not found in {where}; its columns are {names_text(known)}"
+            "column", kind, f"not found in {source_name}; its columns are {names_text(known)}"
         )
     if not kinds:
-        return _sample_names(known, asked, where)
+        return _sample_names(known, asked, source_name)
     times = [name for name in known if name == asked.get("t", "t")]
     if "t" not in asked:
         times = times or [name for name in known if plain(name) in USUAL_NAMES["t"]]
@@ -155,13 +157,13 @@ def _choose(names: Iterable[str], kind: str | None, asked: Asked, where: str) ->
     return {"t": times[0], KIND: kinds[0]}
 
 
-def _sample_names(there: list[str], asked: Asked, where: str) -> dict[str, str]:
+def _sample_names(there: list[str], asked: Asked, source_name: str) -> dict[str, str]:
     """Return which of the columns that are `there` are t, x and, if it has a usual name, v."""
     with_v = "v" in asked or any(plain(name) in USUAL_NAMES["v"] for name in there)
     numbered = there == [str(i + 1) for i in range(len(there))]
     try:
         columns = find_text_columns(
-            there, asked if with_v or numbered else {**asked, "v": None}, where
+            there, asked if with_v or numbered else {**asked, "v": None}, source_name
         )
     except ParameterError as error:
         if asked:
@@ -204,10 +206,10 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _of_solution(data: Any, asked: Asked, scene: Problem, where: str) -> Measured:
+def _of_solution(data: Any, asked: Asked, scene: Problem, source_name: str) -> Measured:
     """Return the samples in an object that `symosc check` reads, such as a solver's result."""
     try:
-        solutions = solutions_in(data, asked, scene, where)
+        solutions = solutions_in(data, asked, scene, source_name)
     except ParameterError as error:
         raise ParameterError("data", shown(data), f"{ALLOWED} ({error})") from None
     if len(solutions) > 1:

@@ -71,16 +71,16 @@ def column_rows(problem: FitProblem) -> list[slice]:
 
 
 def spread_of(
-    problem: FitProblem, at: Evaluation, steps: np.ndarray, kept: np.ndarray, places: np.ndarray,
+    problem: FitProblem, at: Evaluation, steps: np.ndarray, is_kept: np.ndarray, last_places: np.ndarray,
     losses: float,
 ) -> Spread:  # fmt: skip
     """Return how far off the fitted numbers may be.
 
-    `kept` marks the rows that are no outliers, `places` are the `units` of all, `losses` is by how
+    `is_kept` marks the rows that are no outliers, `last_places` are the `units` of all, `losses` is by how
     much the loss makes the variance larger than least squares would. Numbers count in `steps`.
     """
     names = problem.names
-    slopes = at.slopes * steps * kept[:, None]
+    slopes = at.slopes * steps * is_kept[:, None]
     # Singular values and right singular vectors, the latter for as many combinations of numbers as
     # there are numbers. Combinations that the residuals do not feel have no error of their own.
     _, sizes, rows = np.linalg.svd(slopes, full_matrices=len(slopes) < len(names))
@@ -88,17 +88,17 @@ def spread_of(
     free = sizes <= UNDETERMINED * max(float(sizes.max(initial=0.0)), 1e-300)
     inverse = np.where(free, 0.0, 1.0 / np.where(free, 1.0, sizes))
     root = rows.T * inverse  # root @ root.T is the covariance for residuals of variance 1
-    variances, widening = _variances(problem, at, slopes, root, kept)
+    variances, widening = _variances(problem, at, slopes, root, is_kept)
     weighted = problem.measured.weighted
     squares = np.ones(len(slopes)) if weighted else variances
     # The rounding that repeats is no independent error: its u^2/12 is taken out of the variances,
     # and what it does to the fit is found by rounding neighbours of the motion.
-    repeating = _repeating(places, variances)
-    effects = squares - repeating * places**2 / 12.0
+    repeating = _repeating(last_places, variances)
+    effects = squares - repeating * last_places**2 / 12.0
     spreads = (slopes @ root) * np.sqrt(np.maximum(effects, 0.0))[:, None]
     inner = spreads.T @ spreads
     if repeating.any():
-        inner += _rounded_spread(problem, at, slopes, root, places, repeating)
+        inner += _rounded_spread(problem, at, slopes, root, last_places, repeating)
     covariance = root @ inner @ root.T * losses * widening * np.outer(steps, steps)
     unknown, undetermined = _undetermined(names, rows[free])
     is_unknown = [name in unknown for name in names]
@@ -107,7 +107,7 @@ def spread_of(
 
 
 def _variances(
-    problem: FitProblem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, kept: np.ndarray
+    problem: FitProblem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, is_kept: np.ndarray
 ) -> tuple[np.ndarray, float]:
     """Return the variance of each residual as its column shows it, and how uncertain that is.
 
@@ -115,14 +115,14 @@ def _variances(
     """
     from scipy.stats import norm, t
 
-    is_telling = informative(slopes, np.ones(slopes.shape[1])) & kept
+    is_telling = informative(slopes, np.ones(slopes.shape[1])) & is_kept
     variances = np.ones(len(slopes))
     freedom = 0.0
     floors = ACCURACY * np.maximum(1.0, np.abs(_data(problem))) / problem.weights
     # The diagonal of the hat matrix: how much of a degree of freedom each row takes for the fit.
     leverages = np.sum((slopes @ root) ** 2, axis=1)
     for rows in column_rows(problem):
-        chosen = is_telling[rows] if is_telling[rows].any() else kept[rows]
+        chosen = is_telling[rows] if is_telling[rows].any() else is_kept[rows]
         freedom_left = float(chosen.sum() - leverages[rows][chosen].sum())
         off = at.residuals[rows][chosen]
         variance = float(off @ off) / max(freedom_left, 1.0)
@@ -140,20 +140,20 @@ def _data(problem: FitProblem) -> np.ndarray:
     return measured.t if measured.states is None else measured.states.ravel()
 
 
-def _repeating(places: np.ndarray, variances: np.ndarray) -> np.ndarray:
+def _repeating(last_places: np.ndarray, variances: np.ndarray) -> np.ndarray:
     """Return which part of the variance of rounding is that of errors that repeat with the motion.
 
     Noise before the rounding makes the rounding errors independent: the covariance of those of two
     equal values, u^2/12, falls by exp(-(2 pi s / u)^2) with noise of standard deviation s.
     """
-    squares = np.where(places > 0.0, places, 1.0) ** 2
+    squares = np.where(last_places > 0.0, last_places, 1.0) ** 2
     noise = np.maximum(variances - squares / 12.0, 0.0)
     share = np.exp(-np.minimum((2.0 * np.pi) ** 2 * noise / squares, 700.0))
-    return np.where((places > 0.0) & (share > NO_REPEATS), share, 0.0)
+    return np.where((last_places > 0.0) & (share > NO_REPEATS), share, 0.0)
 
 
 def _rounded_spread(
-    problem: FitProblem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, places: np.ndarray,
+    problem: FitProblem, at: Evaluation, slopes: np.ndarray, root: np.ndarray, last_places: np.ndarray,
     repeating: np.ndarray,
 ) -> np.ndarray:  # fmt: skip
     """Return the covariance of fits, in the axes of `root`, to rounded neighbours of a motion."""
@@ -162,7 +162,7 @@ def _rounded_spread(
 
     exact = at.residuals + _data(problem) / problem.weights
     rows = repeating > 0.0
-    unit = places[rows]
+    unit = last_places[rows]
     axes = slopes @ root
     numbers = slopes.shape[1]
     # The columns of `axes` have length 1: with the root each sample moves by about NEIGHBOURHOOD.

@@ -271,7 +271,7 @@ class BusiestPeriod(NamedTuple):
     changes from one to the next.
     """
 
-    count: int
+    event_count: int
     belts: set[int]
     changes: int
 

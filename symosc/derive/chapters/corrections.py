@@ -420,24 +420,24 @@ def neville(places: list[Any], values: list[Any]) -> Any:
     return column[0]
 
 
-def order(n: int, which: int) -> Any:
-    """Return the order in epsilon of delta x or delta v (`which`) by the exact flow."""
+def order(n: int, coordinate: int) -> Any:
+    """Return the order in epsilon of delta x or delta v (`coordinate`) by the exact flow."""
 
     def exponent(root: Any) -> Any:
         # Half the root is a quarter of epsilon.
-        ratio = changes(n, root**2)[which] / changes(n, (root / 2) ** 2)[which]
+        ratio = changes(n, root**2)[coordinate] / changes(n, (root / 2) ** 2)[coordinate]
         return CONTEXT.log(ratio) / CONTEXT.log(4)
 
     return limit(exponent)
 
 
-def coefficient(n: int, which: int, power: Any) -> Any:
+def coefficient(n: int, coordinate: int, power: Any) -> Any:
     """Return the coefficient of the leading power of epsilon by the exact flow."""
     exponent = CONTEXT.mpf(sp.Rational(power).p) / sp.Rational(power).q
-    return limit(lambda root: changes(n, root**2)[which] / root ** (2 * exponent))
+    return limit(lambda root: changes(n, root**2)[coordinate] / root ** (2 * exponent))
 
 
-def _exact_factor(n: int, which: int, power: Any) -> Any:
+def _exact_factor(n: int, coordinate: int, power: Any) -> Any:
     """Return the coefficient of the leading power of epsilon from the gap of `_gap`."""
     gap = _gap(n)
     start = CORRECTIONS[n].first
@@ -447,7 +447,7 @@ def _exact_factor(n: int, which: int, power: Any) -> Any:
         extra = -1
     else:
         extra = 1
-    if which == POSITION:
+    if coordinate == POSITION:
         change = extra * sp.integrate(gap, (TIME, start, stop))
     else:
         change = extra * gap.subs(TIME, stop)
@@ -467,21 +467,21 @@ def _numbers_table() -> Table:
             (r"$\delta x$", border.place, border.place_order),
             (r"$\delta\dot{x}$", border.speed, border.speed_order),
         )
-        for which, (change, formula, power) in enumerate(changes_of_border):
+        for coordinate, (change, formula, power) in enumerate(changes_of_border):
             if power is None:
                 continue
             factor = sp.simplify(formula / SMALL**power)
             by_formula = sp.lambdify(BEND, factor, {"sqrt": CONTEXT.sqrt})(bend(n))
             by_formula = CONTEXT.mpf(by_formula)
             order_fits = close(partial(CONTEXT.mpf, sp.N(power, 50)), 8)
-            fits = close(partial(coefficient, n, which, power), DECIMALS)
+            fits = close(partial(coefficient, n, coordinate, power), DECIMALS)
             rows.append(
                 (
                     border.name,
                     change,
                     rf"${sp.latex(power)}$",
-                    decimal("z", order(n, which), 8, order_fits),
-                    equation(PLACE, factor, {PLACE: _exact_factor(n, which, power)}),
+                    decimal("z", order(n, coordinate), 8, order_fits),
+                    equation(PLACE, factor, {PLACE: _exact_factor(n, coordinate, power)}),
                     decimal("z", by_formula, DECIMALS, fits),
                 )
             )

@@ -101,9 +101,9 @@ def items(scope: Scope) -> Items:
         ends("fig5", 1, 1, "With the numbers of Fig.~5 the first one ends"),
         ends("fig6", 2, 2, "In Fig.~6 the mass leaves belt 2"),
     )
-    shown = scope.scene and scope.scene.name.partition("-")[0]
+    figure_name = scope.scene and scope.scene.name.partition("-")[0]
     sections = {"fig7": _figure7, "fig8": _figure8}
-    yield [section() for name, section in sections.items() if shown in (None, name)]
+    yield [section() for name, section in sections.items() if figure_name in (None, name)]
     rows = []
     for figure, word, printed in ((9, "P32", "0.1324, 4.5447"), (10, "P4645", "0.4588, 3.0837")):
         parameters = load_scene(f"fig{figure}").parameters

@@ -292,12 +292,12 @@ def _substituted(scope: Scope, expr: Any) -> Any:
 
 
 def _values(
-    parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
+    orbit_pieces: list[MappingPiece], points: tuple[tuple[Any, Any], ...], meaning: dict[Any, Any]
 ) -> dict[Any, Any]:
     """Return the values of all symbols: x and theta at the switching `points`, and those that
     `meaning` defines.
     """
-    letters = [letter for piece in parts for letter in piece.letters]
+    letters = [letter for piece in orbit_pieces for letter in piece.letters]
     numbers = [CONTEXT.nstr(value, STEP_DIGITS + 8) for point in points for value in point]
     values = {
         letter: sp.Float(text, STEP_DIGITS + 10)
@@ -314,7 +314,7 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     """
     assert scope.scene is not None
     p = scope.scene.parameters
-    parts = pieces(scope, word)
+    orbit_pieces = pieces(scope, word)
     points = orbit_points(p, word)
     numbers = ", ".join(scope.given())
     inner = r" \circ ".join(f"P_{digit}" for digit in word[1:])
@@ -322,14 +322,14 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
         rf"\subsection{{{figure}: $P_{{{word[1:]}}} = {inner}$}}",
         rf"The numbers are {numbers}. The last map ends where the first one starts, one period "
         r"of the drive later, so "
-        rf"there are {2 * len(parts)} equations for the {2 * len(parts)} unknowns $x_j$, "
+        rf"there are {2 * len(orbit_pieces)} equations for the {2 * len(orbit_pieces)} unknowns $x_j$, "
         r"$\theta_j$. A basis function of the flight from point $j$ is taken at its duration "
         r"$\tau_j$.",
-        _closing_equations(parts, points),
+        _closing_equations(orbit_pieces, points),
     )
-    yield _points_table(word, parts, points)
-    yield _forces_table(scope, word, parts, points)
-    between = _between_table(scope, word, parts, points)
+    yield _points_table(word, orbit_pieces, points)
+    yield _forces_table(scope, word, orbit_pieces, points)
+    between = _between_table(scope, word, orbit_pieces, points)
     digits = named("P")
     followed = equation(digits, int(word[1:]), at_root(lambda: {digits: _followed(p, word)}))
     yield (
@@ -342,13 +342,15 @@ def _orbit_section(scope: Scope, word: str, figure: str) -> Items:
     )
 
 
-def _closing_equations(parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...]) -> list[Any]:
+def _closing_equations(
+    orbit_pieces: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
+) -> list[Any]:
     """Return f1 = 0 and f2 = 0 of each mapping, checked at the switching points, with a line of
     text before them.
     """
     equations: list[Any] = []
-    for i, (row, before, _, f1, f2, meaning) in enumerate(parts, 1):
-        after = i % len(parts) + 1
+    for i, (row, before, _, f1, f2, meaning) in enumerate(orbit_pieces, 1):
+        after = i % len(orbit_pieces) + 1
         if row.sticks:
             start = ""
         elif before.sticks:
@@ -363,13 +365,13 @@ def _closing_equations(parts: list[MappingPiece], points: tuple[tuple[Any, Any],
             rf"$P_{row.label[1]}$ from point {i} to point {after}, with $\tau_{i} = "
             rf"(\theta_{after}{turn} - \theta_{i})/\Omega${start}:"
         )
-        check = at_root(partial(_values, parts, points, meaning), CONTEXT.mpf(10) ** -43)
+        check = at_root(partial(_values, orbit_pieces, points, meaning), CONTEXT.mpf(10) ** -43)
         equations += [equation(0, f, check, decimals=True) for f in (f1, f2)]
     return equations
 
 
 def _points_table(
-    word: str, parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
+    word: str, orbit_pieces: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
 ) -> Table:
     """Return the table of an orbit's switching points."""
     rows: list[Any] = [
@@ -380,7 +382,7 @@ def _points_table(
             str(row.start.boundary),
             f"$P_{row.label[1]}$",
         )
-        for j, ((x, theta), (row, *_)) in enumerate(zip(points, parts, strict=True), 1)
+        for j, ((x, theta), (row, *_)) in enumerate(zip(points, orbit_pieces, strict=True), 1)
     ]
     return Table(
         f"tab:orbits-{word}",
@@ -392,17 +394,17 @@ def _points_table(
 
 
 def _forces_table(
-    scope: Scope, word: str, parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
+    scope: Scope, word: str, orbit_pieces: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
 ) -> Table:
     """Return the table of the accelerations on both sides at the switching points, with checks of
     their signs.
 
     They say which case of the theorem on boundaries applies.
     """
-    values = _values(parts, points, {})
+    values = _values(orbit_pieces, points, {})
     rows: list[Any] = []
     signs = list[Any]()
-    for j, (row, before, (x, theta), *_) in enumerate(parts, 1):
+    for j, (row, before, (x, theta), *_) in enumerate(orbit_pieces, 1):
         belt = row.start.boundary
         signed: list[Any] = [str(j)]
         for alpha in NEIGHBOURS[belt]:
@@ -431,14 +433,14 @@ def _forces_table(
 
 
 def _between_table(
-    scope: Scope, word: str, parts: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
+    scope: Scope, word: str, orbit_pieces: list[MappingPiece], points: tuple[tuple[Any, Any], ...]
 ) -> Table:
     """Return the table that shows that between the switching points no flight meets a belt, and
     each stick is held.
     """
     rows: list[Any] = []
     limited = list[Any]()
-    for j, piece in enumerate(parts):
+    for j, piece in enumerate(orbit_pieces):
         _, theta_at_end = points[(j + 1) % len(points)]
         for name, value, words, limits in _extremes(scope, piece, points[j], theta_at_end):
             rows.append(

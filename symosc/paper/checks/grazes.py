@@ -426,7 +426,7 @@ def sticks_later(figure: Graze) -> Evidence:
         raise Refuted("No contact follows.", {"contacts": fewest})
     # The first contact is that of the red point.
     printed, true = (second for _, second, *_ in contacts)
-    held = {(event.kind, event.boundary) for event in (printed, true)} == {("stick", belt)}
+    holds = {(event.kind, event.boundary) for event in (printed, true)} == {("stick", belt)}
     numbers = {
         f"t, x of the next contact, {name} start": f"{text(event.t, 16)}, {text(event.x, 12)}"
         for name, event in (("printed", printed), ("exact", true))
@@ -435,7 +435,7 @@ def sticks_later(figure: Graze) -> Evidence:
         f"The next contact is at t = {text(true.t, 11)} from the exact start "
         f"({text(printed.t, 11)} from the printed one): there the mass sticks to belt {belt}."
     )
-    return evidence(held, finding, numbers)
+    return evidence(holds, finding, numbers)
 
 
 def stick_after(figure: Graze, check: str, *domains: int) -> Evidence:
@@ -474,15 +474,15 @@ def curves_meet(figure: Graze) -> Evidence:
     red, blue = path.events[:2]
     ahead = blue.x - (red.x + number(p, p.v1) * (blue.t - red.t))
     numbers["mass minus the red point's curve, at the blue point"] = text(ahead, 12)
-    held = as_described(path)
+    holds = as_described(path)
     finding = (
         f"From the exact start the mass gets ahead of the red point's curve, by {text(ahead, 6)} "
         "at the blue point, and "
-        f"{'meets the curves as described only' if held else 'meets the curves elsewhere too'}. "
+        f"{'meets the curves as described only' if holds else 'meets the curves elsewhere too'}. "
         f"From the printed start there is a {printed.events[0].kind} at the red point."
     )
     return Evidence(
-        verdict(as_described(printed) or (held and figure.print_is_right), held), finding, numbers
+        verdict(as_described(printed) or (holds and figure.print_is_right), holds), finding, numbers
     )
 
 
@@ -563,14 +563,14 @@ def start_grazes(figure: Graze) -> Evidence:
         "half a unit of the last printed digit": f"{HALF_UNIT:g}",
         "contacts from the printed start": contacts_text(motion(scene)),
     }
-    held = False
+    holds = False
     conclusion = "which does not round to it"
     if near.round_to_it:
         times = " to ".join(f"{t:.8g}" for t in near.round_to_it)
         numbers["contacts at these times have starts that round to the printed one"] = times
-        held, details = _grazes_exactly(figure, Fraction(near.t_m).limit_denominator(10**9))
+        holds, details = _grazes_exactly(figure, Fraction(near.t_m).limit_denominator(10**9))
         numbers |= details
-        if held:
+        if holds:
             conclusion = "which rounds to it"
         else:
             conclusion = "which rounds to it, but does not graze in many digits"
@@ -583,7 +583,7 @@ def start_grazes(figure: Graze) -> Evidence:
         "contact. The one next to the printed start is "
         f"{max(abs(near.dx), abs(near.dv)):.2g} away, {conclusion}."
     )
-    return Evidence(verdict(held and not changed, held), finding, numbers)
+    return Evidence(verdict(holds and not changed, holds), finding, numbers)
 
 
 def _grazes_exactly(figure: Graze, t_m: Fraction) -> tuple[bool, dict[str, str]]:
@@ -591,17 +591,19 @@ def _grazes_exactly(figure: Graze, t_m: Fraction) -> tuple[bool, dict[str, str]]
     numbers.
     """
     p = figure.scene.parameters
-    where = figure.place
+    grazing_place = figure.place
     scene = figure.scene
     texts = grazing_start(p, figure.mapping, t_m=t_m, t0=scene.t0).start
     start: dict[str, Any] = {name: Fraction(texts[name]) for name in ("x0", "v0")}
     path = motion(replace(scene, **start, start_error=texts["start_error"]))
-    x, v = flow(p, p.A(where.domain), (scene.t0, *start.values()), float(t_m))
+    x, v = flow(p, p.A(grazing_place.domain), (scene.t0, *start.values()), float(t_m))
     # Where the force vanishes at t_m.
     x_m = (
-        float(p.A(where.domain)) + float(p.B0) * cos(float(p.Omega * t_m)) - float(p.c) * float(v)
+        float(p.A(grazing_place.domain))
+        + float(p.B0) * cos(float(p.Omega * t_m))
+        - float(p.c) * float(v)
     ) / float(p.k)
-    gap = abs(float(v) - float(p.belt(where.boundary))) + abs(float(x) - x_m)
+    gap = abs(float(v) - float(p.belt(grazing_place.boundary))) + abs(float(x) - x_m)
     numbers = {
         "x₀, ẋ₀ of a start that grazes": f"{texts['x0'][:22]}, {texts['v0'][:22]}",
         "contacts from it": contacts_text(path),
@@ -676,9 +678,11 @@ class FreeValue:
 def starts_that_graze(scene: Scene, mapping: str, t_m: np.ndarray) -> np.ndarray:
     """Return x0 and v0 at t0 of the flows that graze the mapping's belt at the times t_m."""
     p = scene.parameters
-    where = place(mapping)
-    v = float(p.belt(where.boundary))
-    A, B0, Omega, c, k = (float(value) for value in (p.A(where.domain), p.B0, p.Omega, p.c, p.k))
+    grazing_place = place(mapping)
+    v = float(p.belt(grazing_place.boundary))
+    A, B0, Omega, c, k = (
+        float(value) for value in (p.A(grazing_place.domain), p.B0, p.Omega, p.c, p.k)
+    )
     x_m = (A + B0 * np.cos(Omega * t_m) - c * v) / k  # where the force vanishes
     return np.array(
         [flow(p, A, (t, x, v), float(scene.t0)) for t, x in zip(t_m, x_m, strict=True)]
@@ -788,22 +792,22 @@ def _peak(scene: Scene, mapping: str, change: dict[str, float]) -> FlowPeak:
     """Return the peak of the flow from the scene's start; `change` gives some numbers of the scene
     new values.
     """
-    where = place(mapping)
+    grazing_place = place(mapping)
     start = tuple(change.get(name, float(getattr(scene, name))) for name in START)
     exact = {name: Fraction(value) for name, value in change.items() if name not in START}
     if exact:
         p = scene.parameters.replace(**exact)
     else:
         p = scene.parameters
-    A = float(p.A(where.domain))
-    belt = float(p.belt(where.boundary))
+    A = float(p.A(grazing_place.domain))
+    belt = float(p.belt(grazing_place.boundary))
     t0 = start[0]
     # Three periods from the start on.
     times = t0 + 3 * 2 * np.pi / float(p.Omega) * np.arange(INSTANTS + 1) / INSTANTS
 
     def beyond(t: Any) -> Any:
         _, v = flow(p, A, start, t)
-        return where.side * (v - belt)
+        return grazing_place.side * (v - belt)
 
     try:
         over = beyond(times)
@@ -816,7 +820,7 @@ def _peak(scene: Scene, mapping: str, change: dict[str, float]) -> FlowPeak:
         lambda t: -float(beyond(t)), bounds=around, method="bounded", options={"xatol": 1e-10}
     )
     # Up to the contact the flow stays below the belt, and in domain 2 within the speeds of the two.
-    if where.domain == 2:
+    if grazing_place.domain == 2:
         width = float(p.v2 - p.v1)
     else:
         width = inf

@@ -261,7 +261,7 @@ def forces_along(p: Parameters, stick: Stick) -> list[Forces]:
             along.append(Forces(first.below + gain, first.above + gain, elapsed))
             elapsed += K.period
     last = forces(p, stick.end)._replace(elapsed=duration)
-    return [*sorted(along, key=lambda both: both.elapsed), last]
+    return [*sorted(along, key=lambda sides: sides.elapsed), last]
 
 
 def is_zero(force: Any) -> bool:
@@ -458,7 +458,7 @@ def together(scene: Scene, belt: int) -> Evidence:
     grip = number(p, most_friction)
     m = number(p, p.m)
     # The force of (2) on the mass is m F^(below) - mu FN.
-    needed = [m * both.below - grip for both in forces_along(p, stick)]
+    needed = [m * sides.below - grip for sides in forces_along(p, stick)]
     duration = stick.end.t - stick.onset.t
     distance = stick.end.x - stick.onset.x
     apart = abs(distance - number(p, p.belt(belt)) * duration)
@@ -490,10 +490,10 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
     domains = NEIGHBOURS[belt]
     along = forces_along(scene.parameters, stick)
     *during, last = along
-    held_during = all(both.below > NO_FORCE and both.above < -NO_FORCE for both in during)
+    held_during = all(sides.below > NO_FORCE and sides.above < -NO_FORCE for sides in during)
     held_at_end = last.below > -NO_FORCE and last.above < NO_FORCE
-    lowest = min(both.below for both in along)
-    highest = max(both.above for both in along)
+    lowest = min(sides.below for sides in along)
+    highest = max(sides.above for sides in along)
     finding = (
         f"From t = {text(stick.onset.t, 11)} to {text(stick.end.t, 11)} {force_names(domains[0])} "
         f"is at least {force_text(lowest)}, {force_names(domains[1])} at most "
@@ -501,10 +501,10 @@ def forces_hold(scene: Scene, belt: int) -> Evidence:
         "instants listed: this is decided for the whole stick, not at samples."
     )
     numbers = {
-        f"{force_names(*domains)} at t = {text(stick.onset.t + both.elapsed)}": force_text(
-            both.below, both.above
+        f"{force_names(*domains)} at t = {text(stick.onset.t + sides.elapsed)}": force_text(
+            sides.below, sides.above
         )
-        for both in along
+        for sides in along
     }
     return evidence(held_during and held_at_end, finding, numbers)
 
@@ -516,7 +516,7 @@ def ends_below(scene: Scene, belt: int) -> Evidence:
     stick = first_stick(scene, belt)
     (lo, hi) = NEIGHBOURS[belt]
     below, above, _ = forces(scene.parameters, stick.end)
-    held = is_zero(below) and above < 0 and stick.into == f"Omega{lo}"
+    holds = is_zero(below) and above < 0 and stick.into == f"Omega{lo}"
     finding = (
         f"At t = {text(stick.end.t, 13)} {force_names(lo)} = {force_text(below)}, "
         f"{force_names(hi)} = {text(above)}; the mass slips into {mode_text(stick.into)}. "
@@ -527,7 +527,7 @@ def ends_below(scene: Scene, belt: int) -> Evidence:
         force_names(lo): force_text(below),
         force_names(hi): text(above, 25),
     }
-    return Evidence(verdict(held), finding, numbers)
+    return Evidence(verdict(holds), finding, numbers)
 
 
 def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
@@ -561,8 +561,8 @@ def flight_after(scene: Scene, belt: int, *domains: int) -> Evidence:
         "friction force A_α − A₀": text(drag),
         f"residuals f₁, f₂ of (54) for {subscripted(label)}": text(residuals, 2),
     }
-    held = domain in domains and duration > 0 and max(residuals) < NO_FORCE
-    return Evidence(verdict(held), finding, numbers)
+    holds = domain in domains and duration > 0 and max(residuals) < NO_FORCE
+    return Evidence(verdict(holds), finding, numbers)
 
 
 def product_after(scene: Scene, belt: int) -> Evidence:
@@ -651,16 +651,16 @@ def _figure(scene: Scene) -> str:
 def hypotheses(scenes: tuple[Scene, ...]) -> Evidence:
     """Check what Section 2 and Theorem 7 assume of the parameters, in rational numbers."""
     numbers = {}
-    held = True
+    holds = True
     for scene in scenes:
         p = scene.parameters
-        held = held and p.v1 < p.v2 and p.mu1 >= p.mu2 and min(p.m, p.FN, p.B0, p.Omega) > 0
+        holds = holds and p.v1 < p.v2 and p.mu1 >= p.mu2 and min(p.m, p.FN, p.B0, p.Omega) > 0
         numbers[f"{_figure(scene)}: v₂ − v₁, μ₁ − μ₂"] = text((p.v2 - p.v1, p.mu1 - p.mu2))
     finding = (
         f"v₁ < v₂, μ₁ ≥ μ₂ and B₀ > 0, decided in rational numbers, holds in all {len(scenes)} "
         "figures."
     )
-    return evidence(held, finding, numbers)
+    return evidence(holds, finding, numbers)
 
 
 def weight(scenes: tuple[Scene, ...]) -> Evidence:
@@ -685,7 +685,7 @@ def force_products(scenes: tuple[Scene, ...]) -> Evidence:
     where it ends.
     """
     numbers = {}
-    held = True
+    holds = True
     count = 0
     for scene in scenes:
         p = scene.parameters
@@ -698,7 +698,7 @@ def force_products(scenes: tuple[Scene, ...]) -> Evidence:
         starts = [forces(p, stick.onset).product for stick in ended]
         ends = [forces(p, stick.end) for stick in ended]
         one_vanishes = all(is_zero(end.below) != is_zero(end.above) for end in ends)
-        held = held and max(starts) < 0 and one_vanishes
+        holds = holds and max(starts) < 0 and one_vanishes
         count += len(ended)
         vanishing = max(min(abs(end.below), abs(end.above)) for end in ends)
         numbers[f"{name}: sticks"] = str(len(ended))
@@ -709,4 +709,4 @@ def force_products(scenes: tuple[Scene, ...]) -> Evidence:
     if not count:
         return Evidence(UNDECIDED, "There is no stick.", {"sticks": "0"})
     finding = f"All {count} sticks start with a negative product and end with exactly one force 0."
-    return evidence(held, finding, numbers)
+    return evidence(holds, finding, numbers)

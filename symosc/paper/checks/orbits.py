@@ -109,8 +109,8 @@ def orbit_exists(scene: Scene) -> Evidence:
         "distance from grazing, as a velocity": f"{orbit.grazing_distance:.6g}",
         "|multipliers|": text((float(abs(value)) for value in orbit.multipliers), 8),
     }
-    held = orbit.periods == 1 and orbit.stable is True
-    return Evidence(verdict(held), finding, numbers | certificate_of(orbit))
+    holds = orbit.periods == 1 and orbit.stable is True
+    return Evidence(verdict(holds), finding, numbers | certificate_of(orbit))
 
 
 def in_order(scene: Scene) -> Evidence:
@@ -153,7 +153,7 @@ def in_order(scene: Scene) -> Evidence:
         "one ends: x and ẋ are continuous"
     )
     if crossings:
-        jump = max(abs(both.below - both.above) for both in crossings)
+        jump = max(abs(sides.below - sides.above) for sides in crossings)
         numbers["jump of the acceleration where the mass crosses"] = text(jump, 12)
         finding += f"; the acceleration jumps, by {text(jump, 6)}"
     return evidence(ordered and worst < NO_FORCE, finding + ".", numbers)
@@ -295,14 +295,14 @@ def ends(scene: Scene, belt: int) -> Evidence:
     ended = [stick for stick in sticks(scene) if stick.belt == belt and stick.end is not None]
     if not ended:
         raise Refuted(f"No stick on belt {belt} ends.", {"sticks": "0"})
-    held = True
+    holds = True
     numbers = {}
     (lo, hi) = NEIGHBOURS[belt]
     names = force_names(lo, hi)
     for i, stick in enumerate(ended):
         below, above, _ = forces(scene.parameters, stick.end)
         forceless = [domain for domain, force in ((lo, below), (hi, above)) if is_zero(force)]
-        held = held and [stick.into] == [f"Omega{domain}" for domain in forceless]
+        holds = holds and [stick.into] == [f"Omega{domain}" for domain in forceless]
         if i < SHOWN_STICKS:
             numbers[f"{names} at t = {text(stick.end.t, 14)}, into"] = (
                 f"{force_text(below, above)}, {mode_text(stick.into)}"
@@ -320,7 +320,7 @@ def ends(scene: Scene, belt: int) -> Evidence:
         f"{', and '.join(exits)}. Eq. ({EXIT_EQUATIONS[belt]}) of the paper knows "
         f"{force_names(hi)} only."
     )
-    return evidence(held, finding, numbers)
+    return evidence(holds, finding, numbers)
 
 
 def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:

@@ -363,7 +363,7 @@ def without_force() -> Evidence:
     """
     arrivals = 0
     inside = 0
-    shown: dict[str, Any] = {}
+    example: dict[str, Any] = {}
     for mapping, row in PLACES.items():
         where = MAPS[mapping]
         for contact in contacts(where.end.boundary, 60, seed=70 + row.equation):
@@ -382,7 +382,7 @@ def without_force() -> Evidence:
                     raise ArithmeticError("a flow with F not 0 grazes")
                 inside += 1
                 (case, _) = cases[0]
-                shown = shown or {
+                example = example or {
                     "one of them": f"{mapping}, ({row.equation}.{case}); {contact}",
                     "γ, B₀Ω/m, F there": f"{gamma}, {amplitude}, {force}",
                     "what the exact flow does there": contact.goes_on,
@@ -391,7 +391,7 @@ def without_force() -> Evidence:
         "exact contacts that a flow reaches with F not 0": arrivals,
         "of them with the phase in the printed set": inside,
         "of these grazes": "0",
-    } | shown
+    } | example
     finding = (
         "With F not 0 the flow of a domain goes straight through the boundary and cannot graze, "
         "but its phase can be in the printed set, as at the exact contact given here."
