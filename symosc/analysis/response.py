@@ -622,7 +622,8 @@ def cycle_response(
     Y = abs(float(model.Y))
     B0 = abs(float(model.B0))
     ends = motion([motion.t_start, motion.t_end])
-    closure = np.abs(ends[:, 0] - ends[:, 1]) / [1, Omega]
+    state_at_start, state_at_end = ends.T
+    closure = np.abs(state_at_start - state_at_end) / [1, Omega]
     if orbit:
         multiplier = max(abs(complex(value)) for value in orbit.multipliers)
     else:

@@ -273,7 +273,7 @@ class _Columns:
         launched[:, 0] = codes == tangent.T0 + np.arange(3)[:, None]
         launched[0, 1:] = dt[events]
         launched[1, 1:] = dx[events]
-        belts = self.rows[5]
+        _t, _theta, _x, _v, _kind, belts, _target = self.rows
         launched[2, 1:] = codes == tangent.V1 - 1 + belts[events, None]
         if self.context:
             times = np.array([self.numbers.number(Fraction(t)) for t in times])

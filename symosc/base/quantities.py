@@ -85,7 +85,8 @@ def _quantity(name: str) -> Quantity:
 
     An index after the name, as in "Omega[3]", is ignored.
     """
-    return QUANTITIES[name.partition("[")[0]]
+    parameter, _, _ = name.partition("[")  # of a cell, such as "Omega[3]"
+    return QUANTITIES[parameter]
 
 
 def unit_of(name: str) -> str:

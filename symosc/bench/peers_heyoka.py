@@ -267,13 +267,9 @@ def count_many(
         for first in range(0, len(starts), width):
             # The last batch begins again with the first motions.
             rows = np.arange(first, first + width) % len(starts)
-            theta = q.theta + q.Omega * starts[rows, 0]
-            state[:] = (
-                starts[rows, 1],
-                starts[rows, 2],
-                q.swing * np.cos(theta),
-                q.swing * np.sin(theta),
-            )
+            t0, x0, v0 = starts[rows].T
+            theta = q.theta + q.Omega * t0
+            state[:] = (x0, v0, q.swing * np.cos(theta), q.swing * np.sin(theta))
             integrator.set_time(0.0)
             for i, (_, x, v) in enumerate(starts[rows].tolist()):
                 now[i], _ = start_mode(q, x, v)

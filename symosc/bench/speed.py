@@ -222,7 +222,8 @@ def _ensemble(count: int) -> Iterator[Call]:
     )
     yield Call("as many values of Omega, counted", "event", partial(swept, record=COUNTS))
     yield Call("as many values of Omega, all columns", "event", partial(swept, record="summary"))
-    durations = ends - starts[:, 0]
+    t0, _, _ = starts.T
+    durations = ends - t0
     scan = peers_scan.count_many(p, starts, durations, SCAN_POINTS, SCAN_ACCURACY)
     yield Call(f"closed form, scan of {SCAN_POINTS} points, numba", "event", scan)
     if find_spec("heyoka"):

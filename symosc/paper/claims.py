@@ -250,7 +250,8 @@ def _label(kind: str, number: int) -> str:
         return f"({number})"
     if (kind, number) == ("section", 0):
         return "Abstract"
-    return f"{KINDS[kind][1]} {number}"
+    _, name, *_ = KINDS[kind]
+    return f"{name} {number}"
 
 
 #: All numbered parts of the paper, in its order, and their kinds.

@@ -229,7 +229,8 @@ def orbit_view(name: str) -> View:
     printed start on.
     """
     t0, T = start_and_period(name)
-    since = start_and_period(printed_scene(name))[0] - ORBIT_MARGIN * T
+    printed_start, _ = start_and_period(printed_scene(name))
+    since = printed_start - ORBIT_MARGIN * T
     # The orbit's own scene starts at a switching; with the period it is known at any time.
     x, v = simulate(name, t_end=t0 + 2 * T)(since + T)
     end = since + (1 + 2 * ORBIT_MARGIN) * T
@@ -404,7 +405,12 @@ def largest_velocity(view: View) -> tuple[float, float]:
     guess = view.t[np.argmax(view.v)]
     step = 2 * pi / float(view.trajectory.parameters.Omega) / 60
     bounds = max(guess - step, view.t[0]), min(guess + step, view.t[-1])
-    peak = minimize_scalar(lambda t: -view.trajectory(t)[1], bounds=bounds, method="bounded")
+
+    def minus_velocity(t: float) -> float:
+        _, v = view.trajectory(t)
+        return -float(v)
+
+    peak = minimize_scalar(minus_velocity, bounds=bounds, method="bounded")
     return float(peak.x), -float(peak.fun)
 
 
@@ -473,7 +479,8 @@ def grazing_P3_caption(name: str) -> str:
 
 def _contact_text(view: View, contact: Contact) -> str:
     """Return a sentence about a contact with belt 1."""
-    x = number(float(view.trajectory(contact.since)[0]), 7)
+    position, _ = view.trajectory(contact.since)
+    x = number(float(position), 7)
     if contact.since == contact.until:
         return (
             f"From the exact start the mass grazes belt 1 at t = {number(contact.since, 9)}, x = "

@@ -181,7 +181,8 @@ def _time_after(motion: Trajectory, skip: NumberLike) -> float:
     # A text of periods such as "10T" becomes a time; anything else comes back as it is.
     time_after = end_time(skip, motion.parameters, begin)
     if time_after is skip:
-        since = begin + float(read_number("skip", skip)[0])
+        duration, _ = read_number("skip", skip)
+        since = begin + float(duration)
     else:
         since = float(time_after)
     if not begin <= since < end:

@@ -448,7 +448,8 @@ def read_duration(name: str, duration: Any) -> Duration:
     """Return a `Duration` from a number, or from text such as "60T" for 60 periods of the drive."""
     periods = forcing_periods(name, duration)
     if periods is None:
-        return Duration(read_number(name, duration)[0])
+        number, _ = read_number(name, duration)
+        return Duration(number)
     if not 0 <= periods <= MOST_FORCING_PERIODS:
         raise ParameterError(name, duration, f"must be from 0 to {MOST_FORCING_PERIODS} periods")
     return Duration(periods, periods=True)

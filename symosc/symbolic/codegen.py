@@ -447,4 +447,5 @@ class ArithmeticPrinter:
 
 def _is_negative(expr: Expr) -> bool:
     """Return whether an expression has a negative coefficient."""
-    return bool(expr.as_coeff_Mul()[0].is_negative)
+    coefficient, _ = expr.as_coeff_Mul()
+    return bool(coefficient.is_negative)

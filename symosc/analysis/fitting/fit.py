@@ -205,7 +205,8 @@ def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.nd
     values = []
     for name in problem.names:
         scene_value = getattr(scene.parameters if name in PARAMETER_NAMES else scene, name)
-        values.append(float(read_number(name, start.get(name, scene_value))[0]))
+        number, _ = read_number(name, start.get(name, scene_value))
+        values.append(float(number))
     return np.array(values)
 
 

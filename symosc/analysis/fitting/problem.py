@@ -103,7 +103,8 @@ class FitProblem:
             motion = simulate(p, **start)
         except ParameterError:
             return np.full(len(self.weights), np.inf)
-        return self._compare(motion, None)[0]
+        residuals, _ = self._compare(motion, None)
+        return residuals
 
     def evaluate(self, values: np.ndarray) -> Evaluation:
         """Return residuals, derivatives and motion; ParameterError for values of no motion."""

@@ -277,7 +277,7 @@ def _rests() -> Items:
     high = named("x_+")
     low = named("x_-")
     ends = {
-        name: sp.solve(held + sign * (mu * FN - size) - k * name, name)[0]
+        name: sp.solve(held + sign * (mu * FN - size) - k * name, name)[0]  # the only solution
         for name, sign in ((high, 1), (low, -1))
     }
     return (
@@ -380,7 +380,7 @@ def tangency(half: Any) -> Any:
     """Return t_2/s of (A): where the flight that touches at t = -s arrives, by the exact flow."""
     angle = _phase(falls=False) - half
     place = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * BELT) / HERE.k
-    later = zero(lambda time: (flow(HERE, place, BELT, angle, time)[1] - BELT) / time**2, 3 * half)
+    later = zero(_without_double_zero(place, angle), 3 * half)
     return (later - half) / half
 
 
@@ -388,10 +388,18 @@ def touching_passage(half: Any) -> Any:
     """Return t_m/s of (B) (ii): where the flight that touches at s began, by the exact flow."""
     angle = _phase(falls=True) + half
     place = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * BELT) / HERE.k
-    before = zero(
-        lambda time: (flow(HERE, place, BELT, angle, time)[1] - BELT) / time**2, -3 * half
-    )
+    before = zero(_without_double_zero(place, angle), -3 * half)
     return (before + half) / half
+
+
+def _without_double_zero(place: Any, angle: Any) -> Callable[[Any], Any]:
+    """Return the gap of the flight that touches the belt at time 0, divided by the time squared."""
+
+    def quotient(time: Any) -> Any:
+        _, velocity = flow(HERE, place, BELT, angle, time)
+        return (velocity - BELT) / time**2
+
+    return quotient
 
 
 def frictionless(half: Any) -> Any:

@@ -101,9 +101,12 @@ def items(scope: Scope) -> Items:
         ends("fig5", 1, 1, "With the numbers of Fig.~5 the first one ends"),
         ends("fig6", 2, 2, "In Fig.~6 the mass leaves belt 2"),
     )
-    figure_name = scope.scene and scope.scene.name.partition("-")[0]
+    # Of a scene such as fig7-corrected only the section on its figure.
     sections = {"fig7": _figure7, "fig8": _figure8}
-    yield [section() for name, section in sections.items() if figure_name in (None, name)]
+    if scope.scene:
+        figure_name, _, _ = scope.scene.name.partition("-")
+        sections = {name: section for name, section in sections.items() if name == figure_name}
+    yield [section() for section in sections.values()]
     rows = []
     for figure, word, printed in ((9, "P32", "0.1324, 4.5447"), (10, "P4645", "0.4588, 3.0837")):
         parameters = load_scene(f"fig{figure}").parameters

@@ -159,7 +159,8 @@ def highest_velocity(path: Trajectory, since: float | None = None) -> tuple[floa
     t_max = float(times[i])
     if 0 < i < GRAZE_SAMPLES - 1:
         t_max = brentq(lambda t: float(path.force(1, t)), times[i - 1], times[i + 1], xtol=1e-13)
-    return t_max, float(path(t_max)[1])
+    _, v_max = path(t_max)
+    return t_max, float(v_max)
 
 
 def no_contact_since(path: Trajectory, belt: int) -> float:
@@ -168,10 +169,11 @@ def no_contact_since(path: Trajectory, belt: int) -> float:
     Inf if no such time is found.
     """
     p = path.parameters
-    domain = NEIGHBOURS[belt][0]
+    domain, _ = NEIGHBOURS[belt]  # the one below the belt
     for t in np.linspace(float(path.t_start), float(path.t_end), 400):
         phase = float(p.Omega) * t
-        start = Launch(float(path(t)[1]), float(path.force(domain, t)), sin(phase), cos(phase))
+        _, v = path(t)
+        start = Launch(float(v), float(path.force(domain, t)), sin(phase), cos(phase))
         if never_leaves(
             start, Covariance(0.0, 0.0, 0.0), -np.inf, float(p.belt(belt)), domain, constants(p)
         ):

@@ -539,7 +539,8 @@ def trajectories_in_domains() -> Evidence:
     for label, planes in PLANES.items():
         start, end = ({NEIGHBOURS[belt][side > 0]} if side else set() for belt, side in planes)
         between = ", ".join(f"Ω{domain}" for domain in start & end)
-        numbers[f"{label}: in between"] = between or f"belt {planes[0][0]}"
+        (start_belt, _), _ = planes
+        numbers[f"{label}: in between"] = between or f"belt {start_belt}"
     flights = sum(between.startswith("Ω") for between in numbers.values())
     finding = (
         f"The planes at its ends leave one domain to each of {flights} flights, and the belt to P₁ "

@@ -705,5 +705,7 @@ def _gaps(orbit: PeriodicOrbit, scene: Scene) -> list[tuple[float, float]]:
     """Return (dt, dx) from the printed start to each switching point, dt modulo the period."""
     period = float(orbit.period)
     points = np.array([(float(point.t), float(point.x)) for point in orbit.points])
-    dt = (points[:, 0] - float(scene.t0) + period / 2) % period - period / 2
-    return list(zip(dt.tolist(), (points[:, 1] - float(scene.x0)).tolist(), strict=True))
+    t, x = points.T
+    dt = (t - float(scene.t0) + period / 2) % period - period / 2
+    dx = x - float(scene.x0)
+    return list(zip(dt.tolist(), dx.tolist(), strict=True))

@@ -351,7 +351,8 @@ def settled(link: str, default: Scene) -> Record:
     """Return the page's text on the orbit to which the motion settles, and the orbit's curve in the
     phase plane.
     """
-    scene, _ = scene_of(read_link(link, default)[0])
+    state, _ = read_link(link, default)
+    scene, _ = scene_of(state)
     text = ""
     curve = {"x": list[float](), "v": list[float]()}
     try:

@@ -90,7 +90,8 @@ class _Handler(BaseHTTPRequestHandler):
         if not self._is_for_us():
             self.send_error(HTTPStatus.FORBIDDEN)
         elif url.path == "/":
-            self._send(page(answers.read_link(url.query, scene)[0]), "text/html")
+            state, _ = answers.read_link(url.query, scene)
+            self._send(page(state), "text/html")
         elif url.path == "/answer":
             with self.server.busy:  # one motion at a time
                 self._send_json(answers.answer(url.query, scene))
@@ -162,7 +163,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _send_file(self, query: str) -> None:
         """Send the scene file of a link."""
-        scene, errors = answers.scene_of(answers.read_link(query, self.server.scene)[0])
+        state, _ = answers.read_link(query, self.server.scene)
+        scene, errors = answers.scene_of(state)
         if scene is None:
             explanation = "; ".join(f"{name} {allowed}" for name, allowed in errors.items())
             self.send_error(HTTPStatus.BAD_REQUEST, explain=explanation)
