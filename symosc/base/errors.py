@@ -22,9 +22,8 @@ def shown(value: object) -> str:
             text = str(value)
         else:
             text = repr(value)
-    except (
-        Exception
-    ):  # an integer of thousands of digits cannot be printed; nor can what has a broken repr
+    except Exception:
+        # An integer of thousands of digits cannot be printed; nor can what has a broken repr.
         text = f"<{type(value).__name__}>"
     return brief(text)
 

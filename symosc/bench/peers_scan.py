@@ -130,6 +130,8 @@ def state_at(q, mode, piece, tau):
     """Return position and velocity at the time tau after a piece began."""
     if mode > ON_BELT:
         return piece.x + piece.v * tau, piece.v
+    # The particular solution, which follows the drive, and then the homogeneous one with the
+    # constants R and S.
     s = piece.s
     R = piece.R
     S = piece.S

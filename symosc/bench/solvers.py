@@ -110,7 +110,7 @@ def compiled(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEven
 
 def multiprecision(scene: Scene, tolerance: float) -> Callable[[], list[SolverEvent]]:
     """Prepare `simulate` with mpmath; the tolerance sets its number of digits: 20 for 1e-20."""
-    digits = max(5, len(f"{1 / tolerance:.0f}") - 1)
+    digits = max(5, len(f"{1 / tolerance:.0f}") - 1)  # the zeros of 1/tolerance
 
     def run() -> list[SolverEvent]:
         # As many events as the time limit allows.

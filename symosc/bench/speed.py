@@ -106,7 +106,7 @@ QUICK_SIZES = Sizes(100_000, 2_000, 500, 10_000, 2, 20, 100_000, 4_000)
 def closed_form(count, h, w, Om, P, Q, R, S):
     """Evaluate the underdamped x and x' `count` times, to be timed, and return a sum.
 
-    H to S are constants of both.
+    `h` to `S` are constants of both.
     """
     total = 0.0
     for i in range(count):
@@ -175,6 +175,7 @@ def groups(quick: bool = False) -> Iterator[Group]:
 
 
 def _long_motions(events: int) -> Iterator[Call]:
+    """Yield calls of `simulate_many` that follow one motion for many events."""
     for name in ("fig5", "fig9", "fig10", "fig10, interpreted"):
         scene = load_scene(name.partition(",")[0])
         options = {"max_events": events, **ONE_CORE}
@@ -278,6 +279,7 @@ def _in_mpmath(scene: Scene, digits: int) -> None:
 
 
 def _shrinking_sticks(ends: int, motions: int) -> Iterator[Call]:
+    """Yield calls for fig8 up to `ends` end times: its sticks shrink, and later need more digits."""
     scene = load_scene("fig8")
     for t_end in (9, 27, 60, 200)[:ends]:
         if t_end < 30:
@@ -368,12 +370,14 @@ def _orbits_and_windows(points: int) -> Iterator[Call]:
 
 
 def _workers(count: int) -> Iterator[Call]:
+    """Yield the same call of `simulate_many` with one and with two threads."""
     p, starts, ends = _starts(count)
     for workers in (1, 2):
         call = partial(
             simulate_many, p, starts, ends, record=COUNTS, use_numba=True, workers=workers
         )
-        yield Call(f"{workers} worker{'s'[: workers - 1]}", "motion", call, count)
+        name = "1 worker" if workers == 1 else f"{workers} workers"
+        yield Call(name, "motion", call, count)
 
 
 def _sweep(motions: int, folder: str) -> Iterator[Call]:
@@ -506,14 +510,17 @@ def measure_errors() -> list[Record]:
     rows = []
     for name in ("fig5", "fig8", "fig9", "fig10"):
         scene = load_scene(name)
-        pairs = list(
-            zip(
-                simulate(scene).events, simulate(scene, digits=REFERENCE_DIGITS).events, strict=True
-            )
-        )
-        error = max(max(relative(a.t - b.t, b.t), relative(a.x - b.x, b.x)) for a, b in pairs)
-        estimate = max(max(relative(a.t_error, a.t), relative(a.x_error, a.x)) for a, _ in pairs)
-        rows.append({"scene": name, "events": len(pairs), "error": error, "estimate": estimate})
+        events = simulate(scene).events
+        exact_events = simulate(scene, digits=REFERENCE_DIGITS).events
+        errors = []
+        estimates = []
+        for event, exact in zip(events, exact_events, strict=True):
+            errors.append(relative(event.t - exact.t, exact.t))
+            errors.append(relative(event.x - exact.x, exact.x))
+            estimates.append(relative(event.t_error, event.t))
+            estimates.append(relative(event.x_error, event.x))
+        row: Record = {"scene": name, "events": len(events)}
+        rows.append(row | {"error": max(errors), "estimate": max(estimates)})
     return rows
 
 

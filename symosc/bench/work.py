@@ -447,7 +447,7 @@ def _best_text(row: Record) -> str:
     if "chatters" in row["failure"]:
         failure = "chatters"
     else:
-        failure = row["failure"].partition(":")[0]
+        failure, _, _ = row["failure"].partition(":")
     if row["us_per_event"] is None:
         return failure
     parts = []

@@ -149,8 +149,7 @@ def keep_on_disk(dispatcher: Any) -> Any:
     """Enable the disk cache of a compiled function where possible; return the function."""
     try:
         dispatcher._cache = _CheckedCache(dispatcher.py_func)
-    except (
-        RuntimeError
-    ) as error:  # the source is in no folder, or the environment names strange ones
+    except RuntimeError as error:
+        # The source is in no folder, or the environment names strange ones.
         _warn(NOT_KEPT, str(error))
     return dispatcher

@@ -45,6 +45,7 @@ def two_product(a, b):
     """Return (p, e): the rounded product p of the doubles a and b, and its rounding error e
     (Dekker).
     """
+    # Each factor is split into halves whose products are exact.
     p = a * b
     big = SPLITTER * a
     ah = big - (big - a)

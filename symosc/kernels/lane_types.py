@@ -235,10 +235,9 @@ def any_of(typingctx: Any, flags: Any) -> Any:
     """Return whether a flag is set in any lane."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        whole = ir.IntType(flags.width)
-        return builder.icmp_unsigned(
-            "!=", builder.bitcast(arguments[0], whole), ir.Constant(whole, 0)
-        )
+        (lanes,) = arguments
+        integer = ir.IntType(flags.width)  # a bit for each lane
+        return builder.icmp_unsigned("!=", builder.bitcast(lanes, integer), ir.Constant(integer, 0))
 
     return types.boolean(flags), code
 
@@ -248,7 +247,8 @@ def bits_of(typingctx: Any, flags: Any) -> Any:
     """Return the flags of all lanes as the bits of a whole number, lane 0 as the lowest bit."""
 
     def code(context: Any, builder: Any, declared: Any, arguments: Any) -> Any:
-        return builder.zext(builder.bitcast(arguments[0], ir.IntType(flags.width)), LONG)
+        (lanes,) = arguments
+        return builder.zext(builder.bitcast(lanes, ir.IntType(flags.width)), LONG)
 
     return types.int64(flags), code
 

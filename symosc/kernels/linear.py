@@ -47,6 +47,7 @@ class Factors(NamedTuple):
         known = right.tolist()
         x = [known[i] for i in self.order]
         count = len(x)
+        # First by the lower triangle of factors, then by the upper one, from below.
         for i, row in enumerate(self.rows):
             for j in range(i):
                 x[i] -= row[j] * x[j]
@@ -205,6 +206,8 @@ class Shortest:
 
 def null_vector(matrix: np.ndarray) -> np.ndarray:
     """Return a unit vector that a matrix of one row less than columns maps to 0."""
-    last = [0.0] * matrix.shape[1]
-    last[-1] = 1.0
-    return np.array(triangle(matrix.tolist()).turned_back(last))
+    # Q turns the first axes into combinations of the rows, and so the last axis into a vector that
+    # is perpendicular to all rows.
+    last_axis = [0.0] * matrix.shape[1]
+    last_axis[-1] = 1.0
+    return np.array(triangle(matrix.tolist()).turned_back(last_axis))

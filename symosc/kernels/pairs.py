@@ -80,11 +80,12 @@ class Pair:
 
     def __int__(self) -> int:
         size = abs(self)
-        high = math.floor(size.hi)
-        below = high + (math.floor(size.lo) if high == size.hi else 0)
+        integer = math.floor(size.hi)
+        if integer == size.hi:  # else hi has a fraction, and lo is too small to change the result
+            integer += math.floor(size.lo)
         if self.hi < 0.0:
-            return -below
-        return below
+            return -integer
+        return integer
 
     def __neg__(self) -> Pair:
         return pair_of(-self.hi, -self.lo)

@@ -333,9 +333,8 @@ def with_known(case: ReferenceCase, **known: Any) -> ReferenceCase:
 def _enclosed(value: Any) -> tuple[str, str]:
     """Return the two decimals with GIVEN_DIGITS digits that enclose a number."""
     digits = Decimal(str(value.context.nstr(value, COMPUTED_DIGITS)))
-    low, high = (
-        Context(GIVEN_DIGITS, rounding=way).plus(digits) for way in (ROUND_FLOOR, ROUND_CEILING)
-    )
+    low = Context(GIVEN_DIGITS, rounding=ROUND_FLOOR).plus(digits)
+    high = Context(GIVEN_DIGITS, rounding=ROUND_CEILING).plus(digits)
     return f"{low:f}", f"{high:f}"
 
 

@@ -125,6 +125,7 @@ def chosen(group: str | None) -> Sequence[ReferenceCase]:
 
 
 def _paper_cases() -> Iterator[ReferenceCase]:
+    """Yield the shipped scenes of the paper's figures as they are."""
     at_a_slip = (
         "the start is the end of a stick to all its digits: within its error the mass may stick or "
         "slip"
@@ -240,6 +241,7 @@ def start_before_a_peak(
 
 
 def _peak_cases() -> Iterator[ReferenceCase]:
+    """Yield motions whose velocity peaks a little beyond the speed of a belt, or short of it."""
     for base, mapping, t_m, t0, t_end, exponents, quick in PEAKS:
         p = load_scene(base).parameters
         for group, sign in (("peak beyond a belt", 1), ("peak short of a belt", -1)):
@@ -574,6 +576,8 @@ def amplitude(c: str, F: str, Omega: str) -> str:
     """
     if Fraction(c) == 0:
         return f"sqrt((1/(1 - ({Omega})**2))**2 - ({F})**2*(tan(pi/(2*({Omega})))/({Omega}))**2)"
+    # Den Hartog's G and H, the parts of friction along and across the motion, and the magnification
+    # Q without friction, squared; zeta is the damping ratio.
     zeta = f"(({c})/2)"
     root = f"sqrt(1 - {zeta}**2)"
     g = f"(pi*{zeta}/({Omega}))"

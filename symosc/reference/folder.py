@@ -212,6 +212,7 @@ def _samples(case: ReferenceCase) -> list[tuple[str, str, str, str]]:
 
 
 def _readme_text(rows: Sequence[Record], longest: int) -> str:
+    """Return the README of a folder of cases; `longest` is the length of a row of their table."""
     groups = [row["group"] for row in rows]
     counts = [
         (group, groups.count(group), hard) for group, hard in CASE_GROUPS.items() if group in groups
@@ -238,6 +239,7 @@ def _readme_text(rows: Sequence[Record], longest: int) -> str:
 
 
 def _manifest_text(rows: Sequence[Record], texts: Mapping[str, str]) -> str:
+    """Return the manifest as JSON: version, cases, and the checksum of each file."""
     content: Record = {
         "format": SET_FORMAT,
         "set_version": SET_VERSION,
@@ -290,6 +292,7 @@ def read_set(path: str | Path) -> tuple[int, Sequence[ReferenceCase]]:
 
 
 def _read_manifest(folder: Path) -> Record:
+    """Return the manifest of a folder of cases; raise ResultError if it has none."""
     try:
         content = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
     except OSError:

@@ -262,16 +262,16 @@ class _Judge:
             self._measure(i, compared[j])
         extra = self._without_start(compared, matching.invented)
         lost, extra = self._without_grazes(theirs, matching.missed, extra)
-        # The others that are together are of a wrong kind.
+        # An extra event close to a lost one is that event, of a wrong kind.
         of_any_kind = [theirs[j]._replace(kind="", boundary=0) for j in extra]
-        missing = [self.known[i] for i in lost]
-        rest = match_events(of_any_kind, missing, KIND_WINDOW * self.period)
-        for j, i in rest.matched:
-            wanted = missing[i]
-            self.judged.note_kind(wanted.t, _event_text(wanted), _event_text(theirs[extra[j]]))
-        for i in rest.missed:
-            self.judged.note_missed(missing[i].t, _event_text(missing[i]))
-        for j in rest.invented:
+        lost_events = [self.known[i] for i in lost]
+        second_matching = match_events(of_any_kind, lost_events, KIND_WINDOW * self.period)
+        for j, i in second_matching.matched:
+            known = lost_events[i]
+            self.judged.note_kind(known.t, _event_text(known), _event_text(theirs[extra[j]]))
+        for i in second_matching.missed:
+            self.judged.note_missed(lost_events[i].t, _event_text(lost_events[i]))
+        for j in second_matching.invented:
             event = theirs[extra[j]]
             self.judged.note_invented(event.t, _event_text(event))
 

@@ -421,7 +421,7 @@ class _C(ast.NodeTransformer):
         """Return the source of a Python expression in the target language."""
         text = ast.unparse(self.visit(deepcopy(node)))
         if isinstance(node, ast.IfExp):
-            return text[1:-1]
+            return text[1:-1]  # without the parentheses that `visit` writes
         return text
 
     def visit(self, node: ast.AST) -> Any:
@@ -596,7 +596,9 @@ class _C(ast.NodeTransformer):
         """Return a C call of a function with several results, which it writes to the array
         `target`.
         """
-        return f"{self.expression(call)[:-1]}{', ' if call.args else ''}{target});"
+        call_without_end = self.expression(call).removesuffix(")")
+        comma = ", " if call.args else ""
+        return f"{call_without_end}{comma}{target});"
 
 
 def _is_map(name: str) -> bool:

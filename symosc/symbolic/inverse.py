@@ -695,19 +695,24 @@ def _containing(
         start = side * B0 * Omega * sine
         slope = side * (v if name == "k" else k)
         level = -start
-    for slope_sign, sloped in _signs(slope):
+    for slope_sign, slope_condition in _signs(slope):
         if slope_sign == 0:
-            for positive, started in (
-                _positive(start) if attained else [(sign_of(start) >= 0, sp.true)]
-            ):
-                yield Answer(sloped & started, possible if positive else sp.S.EmptySet)
+            # The parameter does not matter: all its values, or none.
+            if attained:
+                signs: Any = _positive(start)
+            else:
+                signs = [(sign_of(start) >= 0, sp.true)]
+            for positive, start_condition in signs:
+                values_allowed = possible if positive else sp.S.EmptySet
+                yield Answer(slope_condition & start_condition, values_allowed)
             continue
         if attained and full:
             cases: Any = _tangency_grazes(theta, level)
         else:
             cases = [(not attained, sp.true)]
-        for closed, closing in cases:
-            yield Answer(sloped & closing, _half_line(-start / slope, slope_sign, closed))
+        for closed, end_condition in cases:
+            half_line = _half_line(-start / slope, slope_sign, closed)
+            yield Answer(slope_condition & end_condition, half_line)
 
 
 def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
@@ -716,13 +721,18 @@ def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
     """
     cosine = sp.cos(theta)
     if not cosine.free_symbols:
-        yield from _positive(level) if sign_of(cosine) == 0 else [(False, sp.true)]
+        if sign_of(cosine) == 0:
+            yield from _positive(level)
+        else:
+            yield False, sp.true
         return
     turning = sp.Eq(cosine, 0)
     for positive, condition in _positive(level):
         if positive:
             yield True, turning & condition
-        yield False, sp.Not(turning) & condition if positive else condition
+            yield False, sp.Not(turning) & condition
+        else:
+            yield False, condition
 
 
 def _solve_for_all_phases(

@@ -121,11 +121,14 @@ def by_start() -> dict[str, Expr]:
     """
     flow = solution.flow()
     force = solution.acceleration(x_i, v_i, theta_i)
-    pairs = product((("x", flow.x), ("v", flow.v)), (("x0", x_i), ("v0", v_i), ("ph", theta_i)))
-    return {
-        f"{name}_{c}": sp.expand(e.diff(q) + e.diff(a_i) * force.diff(q))
-        for (name, e), (c, q) in pairs
-    }
+    functions = {"x": flow.x, "v": flow.v}
+    variables = {"x0": x_i, "v0": v_i, "ph": theta_i}
+    derivatives = {}
+    for (name, expr), (key, variable) in product(functions.items(), variables.items()):
+        # a_i depends on all of them.
+        total = expr.diff(variable) + expr.diff(a_i) * force.diff(variable)
+        derivatives[f"{name}_{key}"] = sp.expand(total)
+    return derivatives
 
 
 def flight_jacobian() -> dict[str, Expr]:

@@ -92,6 +92,8 @@ class Search:
 
     def _try_more(self) -> None:
         """Look for a better minimum than the first one."""
+        # The cheapest reasons first: outliers at the first minimum, and a first minimum that is
+        # almost right, which no other one would better.
         tolerant = self._robust(self.plain.values, self.plain)
         if self._is_good(tolerant, with_outliers=True):
             self._accept(tolerant)
@@ -139,7 +141,8 @@ class Search:
         The scale of its residuals is that of the minimum `before`; an unknown sigma then follows
         from its own ones.
         """
-        for _ in range(1 if self.problem.measured.weighted else ROUNDS):
+        rounds = 1 if self.problem.measured.weighted else ROUNDS
+        for _ in range(rounds):
             before = self._minimum(values, CAUCHY * before.verdict.scales, "cauchy")
             values = before.values
         return before

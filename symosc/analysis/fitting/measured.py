@@ -113,7 +113,7 @@ class _Chosen:
 
 def _content(path: str | Path, kind: str | None, asked: Asked, source_name: str) -> Any:
     """Return the content of a file: the `_Chosen` of a text file, else objects such as tables."""
-    chosen: list[str] = []
+    chosen: list[str] = []  # stays empty unless `read_content` asks, as it does for a text file
 
     def choose(names: list[str]) -> dict[str, str]:
         columns = _choose(names, kind, asked, source_name)

@@ -110,13 +110,17 @@ class FitProblem:
         """Return residuals, derivatives and motion; ParameterError for values of no motion."""
         # The search asks for residuals and for slopes at the same values, one after the other.
         key = tuple(values.tolist())
-        if self._last is None or self._last[0] != key:
-            self.effort.motions += 1
-            p, start = self._motion(values)
-            moved = sensitivities(p, self.names, **start)
-            residuals, slopes = self._compare(moved.trajectory, moved)
-            self._last = key, Evaluation(residuals, slopes, moved.trajectory)
-        return self._last[1]
+        if self._last is not None:
+            last_key, last_evaluation = self._last
+            if last_key == key:
+                return last_evaluation
+        self.effort.motions += 1
+        p, start = self._motion(values)
+        moved = sensitivities(p, self.names, **start)
+        residuals, slopes = self._compare(moved.trajectory, moved)
+        evaluation = Evaluation(residuals, slopes, moved.trajectory)
+        self._last = key, evaluation
+        return evaluation
 
     def _motion(self, values: np.ndarray) -> tuple[Parameters, dict[str, Any]]:
         """Return the parameters and the start with these values, as `simulate` takes them."""
