@@ -546,6 +546,77 @@ def turning_points(values: np.ndarray) -> np.ndarray:
     return np.concatenate([[-1.0, 1.0], inside])
 
 
+class _Cycle:
+    """Integrals and extremes over one cycle of the settled motion, whose parts are added one after
+    the other.
+    """
+
+    def __init__(self, model: OtherModel) -> None:
+        self.model = model
+        p = model.parameters
+        self.friction_and_speed = [
+            (float(p.friction(belt)), float(p.belt(belt))) for belt in p.law.boundaries
+        ]
+        self.turns = list[np.ndarray]()  # times at which x may be extreme
+        self.base_forces = list[float]()  # extremes of the force that the mass passes on
+        self.first_harmonic = 0j  # the integral of x exp(-i Omega t)
+        self.damper = 0.0  # energy that the damper takes
+        self.work = 0.0  # energy that the drive puts in
+        self.heat = 0.0  # energy that friction takes
+        self.stuck = 0.0  # time on a belt
+
+    def add(self, part: Part) -> None:
+        """Add a part of the motion."""
+        segment, (begin, end), t, weights, z, u = part
+        model = self.model
+        belts = self.friction_and_speed
+        m, c, k = (float(number) for number in (model.m, model.c, model.k))
+        Omega = float(model.Omega)
+        delay = float(model.delay)
+        columns = column_functions()
+        c_late = columns["cos"](Omega * (t + delay))
+        s_late = columns["sin"](Omega * (t + delay))
+        shift_rate = model.shift.rate(model.Omega)
+        base_rate = model.base.rate(model.Omega)
+        w, w_rate, w_second = (
+            wave.at(c_late, s_late)
+            for wave in (model.shift, shift_rate, shift_rate.rate(model.Omega))
+        )
+        y, y_rate = (wave.at(c_late, s_late) for wave in (model.base, base_rate))
+        force = model.force.at(c_late, s_late)
+        # z and u are relative to the belts, which move by w; x and v are in the fixed frame.
+        x = z + w
+        v = u + w_rate
+        # All forces but friction.
+        drive = float(model.parameters.B0) * columns["cos"](Omega * t)
+        driven = float(model.parameters.A0) + drive - c * u - k * z
+        pulls = [
+            np.full(POINTS, friction * (-1 if u.mean() > speed else 1)) for friction, speed in belts
+        ]
+        if segment.mode.startswith("belt"):
+            # The belt that holds the mass balances all other forces.
+            held = int(segment.mode[-1])
+            pulls[held - 1] = -driven - pulls[2 - held]
+            self.stuck += end - begin
+        acceleration = (driven + sum(pulls)) / m
+        # On a belt u is its speed, and it takes nothing.
+        self.heat += sum(
+            friction * abs(linear.dot(weights, u - speed)) for friction, speed in belts
+        )
+        self.damper += c * linear.dot(weights, (v - y_rate) ** 2)
+        # The power of the force and of the base, then that of the belts.
+        pushed = force * v + (k * (y - x) + c * (y_rate - v)) * y_rate
+        drawn = sum(pull * (speed + w_rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
+        self.work += linear.dot(weights, pushed + drawn)
+        self.first_harmonic += complex(
+            linear.dot(weights, x * c_late), -linear.dot(weights, x * s_late)
+        )
+        self.turns.append(begin + (end - begin) * (turning_points(x) + 1) / 2)
+        felt = force - m * (acceleration + w_second)
+        series = linear.product(_gauss().coefficients, felt)
+        self.base_forces += legendre.legval(turning_points(felt), series).tolist()
+
+
 def cycle_response(
     model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbit | None
 ) -> Record:
@@ -554,7 +625,6 @@ def cycle_response(
     """
     p = model.parameters
     Omega = float(model.Omega)
-    delay = float(model.delay)
     if orbit:
         n = orbit.periods
     else:
@@ -564,60 +634,14 @@ def cycle_response(
     motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
     if motion.status == "undecidable":
         raise _unsettled(motion.message)
-    m, c, k, drive = (float(number) for number in (model.m, model.c, model.k, p.B0))
-    belts = [(float(p.friction(belt)), float(p.belt(belt))) for belt in p.law.boundaries]
-    shift_rate = model.shift.rate(model.Omega)
-    base_rate = model.base.rate(model.Omega)
-    waves = (
-        model.shift,
-        shift_rate,
-        shift_rate.rate(model.Omega),
-        model.base,
-        base_rate,
-        model.force,
-    )
-    columns = column_functions()
-    turns = list[np.ndarray]()  # times at which x may be extreme
-    base_forces = list[float]()  # extremes of the force that the mass passes on
-    first = 0j  # the first harmonic of x
-    damper = 0.0  # energy that the damper takes
-    work = 0.0  # energy that the drive puts in
-    heat = 0.0  # energy that friction takes
-    stuck = 0.0  # time on a belt
-    for segment, (begin, end), t, weights, z, u in parts(motion):
-        c_late = columns["cos"](Omega * (t + delay))
-        s_late = columns["sin"](Omega * (t + delay))
-        w, w_rate, w_second, y, y_rate, force = (wave.at(c_late, s_late) for wave in waves)
-        # z and u are relative to the belts, which move by w; x and v are in the fixed frame.
-        x = z + w
-        v = u + w_rate
-        driven = float(p.A0) + drive * columns["cos"](Omega * t) - c * u - k * z  # all but friction
-        pulls = [
-            np.full(POINTS, friction * (-1 if u.mean() > speed else 1)) for friction, speed in belts
-        ]
-        if segment.mode.startswith("belt"):
-            # The belt that holds the mass balances all other forces.
-            held = int(segment.mode[-1])
-            pulls[held - 1] = -driven - pulls[2 - held]
-            stuck += end - begin
-        acceleration = (driven + sum(pulls)) / m
-        heat += sum(
-            friction * abs(linear.dot(weights, u - speed)) for friction, speed in belts
-        )  # 0 on a belt
-        damper += c * linear.dot(weights, (v - y_rate) ** 2)
-        pushed = force * v + (k * (y - x) + c * (y_rate - v)) * y_rate
-        drawn = sum(pull * (speed + w_rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
-        work += linear.dot(weights, pushed + drawn)
-        first += complex(linear.dot(weights, x * c_late), -linear.dot(weights, x * s_late))
-        turns.append(begin + (end - begin) * (turning_points(x) + 1) / 2)
-        felt = force - m * (acceleration + w_second)
-        series = linear.product(_gauss().coefficients, felt)
-        base_forces += legendre.legval(turning_points(felt), series).tolist()
-    times = np.clip(np.concatenate(turns), float(motion.t_start), float(motion.t_end))
+    cycle = _Cycle(model)
+    for part in parts(motion):
+        cycle.add(part)
+    times = np.clip(np.concatenate(cycle.turns), float(motion.t_start), float(motion.t_end))
     z_extremes, _ = motion(times)
-    belt_positions, *_ = motion_of_belts(model, times + delay)
+    belt_positions, *_ = motion_of_belts(model, times + float(model.delay))
     amplitude = float(np.ptp(z_extremes + belt_positions)) / 2
-    first *= 2 / period
+    first = cycle.first_harmonic * (2 / period)
     excitation = _phasor(_excitation(model))
     Y = abs(float(model.Y))
     B0 = abs(float(model.B0))
@@ -632,7 +656,7 @@ def cycle_response(
     if Y:
         transmissibility = amplitude / Y
     elif B0:
-        transmissibility = float(np.ptp(base_forces)) / 2 / B0
+        transmissibility = float(np.ptp(cycle.base_forces)) / 2 / B0
     # How far the start is off the orbit: by the gap after this cycle and, times the multiplier each
     # time, after all later ones, which is a geometric series.
     start_error = float(closure.max()) / max(1 - multiplier, CONVERGED)
@@ -642,11 +666,11 @@ def cycle_response(
         "transmissibility": transmissibility,
         "phase": phase(excitation / first) if abs(first) > CONVERGED * abs(excitation) else nan,
         "harmonic": abs(first),
-        "work": work / n,
-        "dissipated": (damper + heat) / n,
-        "damper": damper / n,
-        "friction": heat / n,
-        "stuck": stuck / period,
+        "work": cycle.work / n,
+        "dissipated": (cycle.damper + cycle.heat) / n,
+        "damper": cycle.damper / n,
+        "friction": cycle.heat / n,
+        "stuck": cycle.stuck / period,
         "error": start_error + float(np.spacing(amplitude)),
     }
 

@@ -194,10 +194,10 @@ def run(
         chosen = QUICK_SCENE_SPANS
     else:
         chosen = SCENE_SPANS
-    spans: dict[str, tuple[TimeSpan, TimeSpan]] = {}
     able = [solver for solver in solvers if not solver.missing]
     tolerances = {solver: solver.tolerances for solver in able}
     if quick:
+        # Of all solvers but ours only the tightest tolerance.
         for solver in able:
             if solver != OURS[0]:
                 tolerances[solver] = solver.tolerances[-1:]
@@ -207,6 +207,7 @@ def run(
         for solver in able
         for tolerance in tolerances[solver]
     ]
+    spans: dict[str, tuple[TimeSpan, TimeSpan]] = {}  # of the scenes that had their turn
     rows: list[Record] = []
     with Worker() as worker:
 
@@ -221,9 +222,24 @@ def run(
                 spans[name] = _spans(load_scene(name), *chosen[name])
             row = {"scene": name, "solver": solver.name, "tolerance": tolerance}
             rows.append(row | _measured(partial(call, solver, tolerance), *spans[name]))
+    unit = min((row["floor_ns"] for row in rows if row["floor_ns"]), default=nan)
+    _add_times_per_event(rows, unit)
+    return {
+        "machine": machine(),
+        "floor_ns": unit,
+        "limit_s": limit,
+        "skipped": {solver.name: solver.missing for solver in solvers if solver.missing},
+        "notes": {solver.name: solver.note for solver in able if solver.note},
+        "rows": rows,
+    }
+
+
+def _add_times_per_event(rows: list[Record], unit: float) -> None:
+    """Add to each row its time per event: as a multiple of ours, and in microseconds, for a machine
+    on which the floor takes `unit` nanoseconds.
+    """
     # A machine may be half as fast in one minute as in the next, so seconds of different minutes do
     # not compare: times are in units of the floor of their moment.
-    unit = min((row["floor_ns"] for row in rows if row["floor_ns"]), default=nan)
     ours = {row["scene"]: row["over_floor"] for row in rows if row["solver"] == OURS[0].name}
     for row in rows:
         over_floor = row["over_floor"]
@@ -234,14 +250,6 @@ def run(
             row["over_ours"] = over_floor / of_ours
         if over_floor:
             row["us_per_event"] = 1e-3 * unit * over_floor
-    return {
-        "machine": machine(),
-        "floor_ns": unit,
-        "limit_s": limit,
-        "skipped": {solver.name: solver.missing for solver in solvers if solver.missing},
-        "notes": {solver.name: solver.note for solver in able if solver.note},
-        "rows": rows,
-    }
 
 
 def _spans(scene: Scene, short: int, compared: int, long: int) -> tuple[TimeSpan, TimeSpan]:

@@ -318,48 +318,7 @@ def fig4() -> Figure:
     drawing = Figure(figsize=(COLUMN_WIDTH, 3.0), layout="constrained")
     ax = drawing.add_subplot()
     for label in MAPPINGS:
-        motion = mapping_motion(label)
-        count = 200
-        x, v = motion(np.linspace(float(motion.t_start), float(motion.events[0].t), count))
-        sticks = motion.segments[0].mode.startswith("belt")
-        if sticks:
-            weight = THICK
-        else:
-            weight = LINE
-        ax.plot(x, v, color=MASS_COLOR, lw=weight, zorder=3, label=label, solid_capstyle="butt")
-        for index, (marker, color) in zip((0, -1), ENDS, strict=True):
-            ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
-        returns = v[0] == v[-1] and not sticks
-        # The sample at which the arrow begins: in the middle, where a flight that returns has its
-        # name.
-        if returns:
-            head = count // 4
-        else:
-            head = count // 2
-        arrow = {
-            "arrowstyle": "-|>",
-            "color": MASS_COLOR,
-            "lw": LINE,
-            "shrinkA": 0,
-            "shrinkB": 0,
-            "mutation_scale": 9,
-        }
-        ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
-        _, _, (across, up, dx, dy) = MAPPINGS[label]
-        # The sample beside which the name stands.
-        if returns:  # at the farthest point from the belt
-            name_at = int(np.argmax(np.abs(v - v[0])))
-        else:
-            name_at = count // 2
-        ax.annotate(
-            f"$P_{label[1:]}$",
-            (x[name_at], v[name_at]),
-            (dx, dy),
-            textcoords="offset points",
-            ha=across,
-            va=up,
-            zorder=6,
-        )
+        _draw_mapping(ax, label)
     low = v1 - 0.8 * (v2 - v1)
     high = v2 + 0.85 * (v2 - v1)
     x_low, x_high = ax.get_xlim()
@@ -375,3 +334,46 @@ def fig4() -> Figure:
     marks = [Line2D([], [], ls="", marker=marker, ms=3.5, color=color) for marker, color in ENDS]
     drawing.legend(marks, ["start", "end"], **OUTSIDE)
     return drawing
+
+
+def _draw_mapping(ax: Axes, label: str) -> None:
+    """Draw a mapping's motion in the phase plane, with its two ends, an arrow and its name."""
+    motion = mapping_motion(label)
+    count = 200
+    middle = count // 2
+    x, v = motion(np.linspace(float(motion.t_start), float(motion.events[0].t), count))
+    sticks = motion.segments[0].mode.startswith("belt")
+    if sticks:
+        weight = THICK
+    else:
+        weight = LINE
+    ax.plot(x, v, color=MASS_COLOR, lw=weight, zorder=3, label=label, solid_capstyle="butt")
+    for index, (marker, color) in zip((0, -1), ENDS, strict=True):
+        ax.plot(x[index], v[index], marker, color=color, ms=3.5, zorder=5)
+    # The samples at which the arrow begins, and beside which the name stands. A flight that returns
+    # to its belt has its name at the farthest point from the belt, near the middle.
+    if v[0] == v[-1] and not sticks:
+        head = count // 4
+        name_at = int(np.argmax(np.abs(v - v[0])))
+    else:
+        head = middle
+        name_at = middle
+    arrow = {
+        "arrowstyle": "-|>",
+        "color": MASS_COLOR,
+        "lw": LINE,
+        "shrinkA": 0,
+        "shrinkB": 0,
+        "mutation_scale": 9,
+    }
+    ax.annotate("", (x[head + 4], v[head + 4]), (x[head], v[head]), arrowprops=arrow, zorder=4)
+    _, _, (across, up, dx, dy) = MAPPINGS[label]
+    ax.annotate(
+        f"$P_{label[1:]}$",
+        (x[name_at], v[name_at]),
+        (dx, dy),
+        textcoords="offset points",
+        ha=across,
+        va=up,
+        zorder=6,
+    )

@@ -596,6 +596,7 @@ def border_figure(
                 label = name
             else:
                 label = f"{words}, {name}"
+            # Later ones win: the caller's style, the kind of border, the rest.
             look = (
                 {"linewidth": 1.3, "color": "0.4", "label": label}
                 | BORDER_STYLES.get(name, {})
@@ -608,27 +609,34 @@ def border_figure(
         if len(borders) == 1:
             drawing.draw_without_rendering()  # the limits of the axes decide which way is across
             _write_words_beside(axes, borders[0])
-        # By their values: a point that two borders share is drawn once.
-        special = {point.values: (point, curve) for curve in borders for point in curve.special}
-        for point, curve in special.values():
-            coordinates = [point.values[curve.parameters.index(name)] for name in names]
-            if point.kind == "fold":
-                face = "white"
-                label = "fold"
-            else:
-                face = "k"
-                label = "codimension two"
-            style = {
-                "ms": 4.5,
-                "mfc": face,
-                "mec": "black",
-                "mew": 0.8,
-                "zorder": 5,
-                "linestyle": "none",
-            }
-            axes.plot(*coordinates, marker="o", label=label, **style)
+        _draw_special_points(axes, borders, names)
         common.add_legend(drawing, ax, [axes], 3 if len(borders) == 1 else 2)
     return drawing
+
+
+def _draw_special_points(axes: Axes, borders: Sequence[Border], names: Sequence[str]) -> None:
+    """Draw the folds (open) and points of codimension two (full) of borders, in the plane of the
+    parameters `names`.
+    """
+    # By their values: a point that two borders share is drawn once.
+    special = {point.values: (point, curve) for curve in borders for point in curve.special}
+    for point, curve in special.values():
+        coordinates = [point.values[curve.parameters.index(name)] for name in names]
+        if point.kind == "fold":
+            face = "white"
+            label = "fold"
+        else:
+            face = "k"
+            label = "codimension two"
+        look: Record = {
+            "ms": 4.5,
+            "mfc": face,
+            "mec": "black",
+            "mew": 0.8,
+            "zorder": 5,
+            "linestyle": "none",
+        }
+        axes.plot(*coordinates, marker="o", label=label, **look)
 
 
 def _write_words_beside(ax: Axes, border: Border) -> None:

@@ -481,8 +481,15 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     """
     since, until, belt = contact
     path = partial(belt_path, view.trajectory, belt)
-    length = until - since or SHORT_STICK * (view.t[-1] - view.t[0])
-    times = np.linspace(max(since - length, view.t[0]), min(until + length, view.t[-1]), 400)
+    is_stick = until > since
+    t_first = view.t[0]
+    t_last = view.t[-1]
+    if is_stick:
+        length = until - since
+    else:
+        length = SHORT_STICK * (t_last - t_first)
+    # The contact, and as long a time before it and after it.
+    times = np.linspace(max(since - length, t_first), min(until + length, t_last), 400)
     times = np.union1d(times, [since, until])
     _, velocities = view.trajectory(times)
     _, speeds = path(times)
@@ -495,7 +502,7 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
         (times - since) / 10.0**time_power, relative / 10.0**speed_power, color=MASS_COLOR, lw=1.3
     )
     inset.axhline(0, color=BELT_COLOR, lw=0.6, zorder=3)
-    if until > since:
+    if is_stick:
         marks = [(since, "onset of stick", ONSET_COLOR), (until, "end of stick", END_COLOR)]
     else:
         marks = [(since, "grazing point", SWITCH_COLOR)]
@@ -503,23 +510,8 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
         inset.plot(
             (time - since) / 10.0**time_power, 0, linestyle="none", **mark_style(label, color)
         )
-    if until > since:
-        # Clear of the belt, between the branches of the curve.
-        if relative.mean() > 0:
-            height = 0.7
-        else:
-            height = 0.3
-        mantissa, _, exponent = f"{length:.1e}".partition("e")
-        text = f"length ${mantissa}\\cdot 10^{{{int(exponent)}}}$"
-        inset.text(
-            0.53,
-            height,
-            text,
-            transform=inset.transAxes,
-            fontsize=INSET_FONT,
-            ha="center",
-            va="center",
-        )
+    if is_stick:
+        _write_length(inset, length, above=relative.mean() > 0)
     inset.margins(x=0, y=0.2)
     # Ticks and label on top leave the way free for the leaders to the spot that is magnified.
     inset.xaxis.tick_top()
@@ -531,9 +523,31 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     inset.set_ylabel(f"{speed_unit}(\\dot{{x}} - v_{belt})$", fontsize=INSET_FONT, labelpad=2)
     inset.tick_params(labelsize=7, labelfontfamily="STIXGeneral", pad=2)
     inset.set_in_layout(False)  # the grid keeps its room free
+    # Lines from the contact to the lower corners of the inset.
     leader: Record = {"arrowstyle": "-", "color": "0.6", "lw": 0.5, "shrinkA": 0, "shrinkB": 3}
     _, (speed,) = path(np.array([since]))
     spot = since, float(speed)
     left, bottom, width, _ = box
     for corner in (left, left + width):
         ax.annotate("", spot, (corner, bottom), "data", "axes fraction", leader, zorder=0)
+
+
+def _write_length(inset: Axes, length: float, above: bool) -> None:
+    """Write the length of a stick into its inset, between the branches of the curve, which are
+    `above` the belt or below it.
+    """
+    if above:
+        height = 0.7
+    else:
+        height = 0.3
+    mantissa, _, exponent = f"{length:.1e}".partition("e")
+    text = f"length ${mantissa}\\cdot 10^{{{int(exponent)}}}$"
+    inset.text(
+        0.53,
+        height,
+        text,
+        transform=inset.transAxes,
+        fontsize=INSET_FONT,
+        ha="center",
+        va="center",
+    )

@@ -304,12 +304,7 @@ def sweep_figure(
     require(ORDER, order=order)
     low, high = _sweep_range(p, mapping, name, low, high)
     equalities = [q for q in _equalities(p, mapping, name) if low < q < high]
-    # Equality and 0, where the window changes its kind, with their neighbours.
-    offsets = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
-    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in offsets]
-    values = np.union1d(
-        np.linspace(low, high, 801), [edge for edge in edges if low <= edge <= high]
-    )
+    values = _sweep_values(low, high, equalities)
     columns = grazing_windows(p, mapping, order, **{name: values})
     if name == "B0":
         amplitudes = values
@@ -319,21 +314,7 @@ def sweep_figure(
     above = place(mapping).side * amplitudes
     with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
         _window_areas(axes, values, columns, above)
-        label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
-        for curve in (columns.theta_cr % TURN, pi - columns.theta_cr):
-            if not np.isnan(curve).all():
-                # nan interrupts the line where the phase jumps by a turn.
-                is_jump = np.abs(np.diff(curve, prepend=curve[0])) > HALF_A_TURN
-                broken = np.where(is_jump, np.nan, curve)
-                axes.plot(
-                    values,
-                    broken,
-                    color=CRITICAL_COLOR,
-                    linewidth=1.0,
-                    linestyle=DASHES,
-                    label=label,
-                )
-                label = None
+        _draw_critical_phases(axes, values, columns)
         # At equality a window may have or lack a single phase.
         for q in equalities:
             window = grazing_window(p.replace(**{name: q}), mapping, order)
@@ -343,18 +324,52 @@ def sweep_figure(
         axes.set(
             xlabel=PARAMETER_LABELS[name], ylabel=PHASE_LABEL, xlim=(low, high), ylim=(0, TURN)
         )
-        value = float(getattr(p, name))
-        width = high - low
-        if low <= value <= high:
-            # If the line would lie on the frame, the axis goes on a little beyond it.
-            axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
-            near_low = value - low < 0.02 * width
-            near_high = high - value < 0.02 * width
-            axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
+        _mark_value(axes, float(getattr(p, name)), low, high)
         axes.set_yticks(np.arange(5) * pi / 2, PHASE_TICKS)
         axes.set_title(f"grazing window of {typeset(mapping)}, {order} order")
         add_legend(drawing, ax, [axes], 3)
     return drawing
+
+
+def _sweep_values(low: float, high: float, equalities: Sequence[Fraction]) -> np.ndarray:
+    """Return the values at which a sweep is computed: evenly from `low` to `high`, and at the
+    equalities and 0, where the window changes its kind, with close neighbours on both sides.
+    """
+    offsets = (0.0, 1e-9 * (high - low), -1e-9 * (high - low))
+    edges = [float(q) + step for q in [*equalities, Fraction(0)] for step in offsets]
+    inside = [edge for edge in edges if low <= edge <= high]
+    return np.union1d(np.linspace(low, high, 801), inside)
+
+
+def _draw_critical_phases(axes: Axes, values: np.ndarray, columns: WindowColumns) -> None:
+    """Draw Theta_cr and pi - Theta_cr against the parameter's values, as broken lines."""
+    label: str | None = r"$\Theta^{cr}$ and $\pi-\Theta^{cr}$ (excluded)"
+    for curve in (columns.theta_cr % TURN, pi - columns.theta_cr):
+        if not np.isnan(curve).all():
+            # nan interrupts the line where the phase jumps by a turn.
+            is_jump = np.abs(np.diff(curve, prepend=curve[0])) > HALF_A_TURN
+            broken = np.where(is_jump, np.nan, curve)
+            axes.plot(
+                values,
+                broken,
+                color=CRITICAL_COLOR,
+                linewidth=1.0,
+                linestyle=DASHES,
+                label=label,
+            )
+            label = None  # both lines have one entry in the legend
+
+
+def _mark_value(axes: Axes, value: float, low: float, high: float) -> None:
+    """Mark the parameter's given value, if it is in the range that is drawn."""
+    if not low <= value <= high:
+        return
+    axes.axvline(value, color="black", linewidth=0.9, linestyle=":", label="given value")
+    # If the line would lie on the frame, the axis goes on a little beyond it.
+    width = high - low
+    near_low = value - low < 0.02 * width
+    near_high = high - value < 0.02 * width
+    axes.set_xlim(low - 0.04 * width * near_low, high + 0.04 * width * near_high)
 
 
 def _sweep_range(

@@ -624,8 +624,9 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
         return _region(p, grazing_place, question, full)
     belt = f"v{grazing_place.boundary}"
     second_belt = f"v{3 - grazing_place.boundary}"
-    values = QUERY_LETTERS
-    if p is not None:
+    if p is None:
+        values = QUERY_LETTERS
+    else:
         values = {
             parameter: rational(getattr(p, parameter))
             for parameter in ("k", "B0", "Omega", second_belt)
@@ -645,24 +646,8 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
     else:
         domain = domains[name]
         letter = name
-    solved_for = letter, values, domain
-    if question.asked == "empty":
-        # No phase has side (k v + B0 Omega sin theta) > 0.
-        solved = _solve_for_all_phases(*solved_for, -grazing_place.side, closed=True, at_zero=True)
-    elif question.asked == "everything":
-        solved = _solve_for_all_phases(*solved_for, grazing_place.side, closed=full, at_zero=False)
-    elif isinstance(question.theta, PhaseInterval):
-        # With numbers, as they are here, each phase has answers without further conditions.
-        decided = [
-            _containing(*solved_for, grazing_place.side, extreme, full)
-            for extreme in question.theta.deciding((-1, 1))
-        ]
-        sets = [answer.values for answers in decided for answer in answers]
-        solved = iter([Answer(sp.true, sp.Intersection(*sets))])
-    else:
-        solved = _containing(*solved_for, grazing_place.side, (question.theta, True), full)
     conditions: dict[Expr, Expr] = {}  # conditions with one answer are joined
-    for condition, inside in solved:
+    for condition, inside in _solved(question, letter, values, domain, grazing_place.side, full):
         if condition != sp.false:
             allowed = inside & domain
             conditions[allowed] = sp.Or(conditions.get(allowed, sp.false), condition)
@@ -671,6 +656,32 @@ def _answer(p: Parameters | None, question: GrazingQuestion, full: bool) -> Any:
     answers = Answers(Answer(condition, inside) for inside, condition in conditions.items())
     answers.question = question
     return answers
+
+
+def _solved(
+    question: GrazingQuestion,
+    name: str,
+    values: dict[str, Expr],
+    possible: Expr,
+    side: int,
+    full: bool,
+) -> Iterator[Answer]:
+    """Return the answers to a question in the parameter `name`: whether phases have
+    side (k v + B0 Omega sin theta) > 0.
+    """
+    if question.asked == "empty":  # no phase has it
+        return _solve_for_all_phases(name, values, possible, -side, closed=True, at_zero=True)
+    if question.asked == "everything":
+        return _solve_for_all_phases(name, values, possible, side, closed=full, at_zero=False)
+    if isinstance(question.theta, PhaseInterval):
+        # With numbers, as they are here, each phase has answers without further conditions.
+        decided = [
+            _containing(name, values, possible, side, extreme, full)
+            for extreme in question.theta.deciding((-1, 1))
+        ]
+        sets = [answer.values for answers in decided for answer in answers]
+        return iter([Answer(sp.true, sp.Intersection(*sets))])
+    return _containing(name, values, possible, side, (question.theta, True), full)
 
 
 # --- one parameter, case by case ---
@@ -738,10 +749,13 @@ def _tangency_grazes(theta: Expr, level: Expr) -> Iterator[tuple[bool, Expr]]:
 def _solve_for_all_phases(
     name: str, values: dict[str, Expr], possible: Expr, direction: int, closed: bool, at_zero: bool
 ) -> Iterator[Answer]:
-    """Solve direction k v > |B0| Omega for the parameter `name`; `closed`: >=.
+    """Solve direction k v > |B0| Omega, true for all phases, for the parameter `name`, which is in
+    `possible`; `closed`: >=.
 
     `at_zero`: also if both sides are 0.
     """
+    # Each letter may be a formula of unknown sign: `_signs` gives the signs that it may have, each
+    # with its condition.
     k, v, B0, Omega = (values[letter] for letter in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
         # |B0| Omega <= level
