@@ -304,6 +304,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
     count = 0
     while t < t_end:
         if boundary > 0 and mode <= ON_BELT:
+            # The domain above the belt has the larger number.
             if mode > boundary:
                 v += offset
             else:
@@ -325,6 +326,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
             else:
                 mode = boundary
         else:
+            # Domain alpha has the belt alpha above it, and the belt alpha - 1 below.
             if side > 0:
                 boundary = source
             else:
@@ -351,6 +353,7 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
         rows[count, 2] = kind
         rows[count, 3] = boundary
         count += 1
+        # More than CHATTER events within a period of the drive.
         if count > CHATTER and t - rows[count - 1 - CHATTER, 0] < q.period:
             return rows, count, CHATTERS, mode
     return rows, count, REACHED_END, mode

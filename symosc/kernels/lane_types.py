@@ -78,12 +78,13 @@ class _LanesModel(models.PrimitiveModel):
 @lower_cast(types.Boolean, LanesType)
 def _spread(context: Any, builder: Any, declared: Any, wanted: Any, value: Any) -> Any:
     """Return LLVM code that copies a scalar `value` into all lanes of the type `wanted`."""
-    value = context.cast(builder, value, declared, types.boolean if wanted.flags else types.float64)
+    scalar = types.boolean if wanted.flags else types.float64
+    value = context.cast(builder, value, declared, scalar)
+    # LLVM's idiom: the value goes into lane 0 of a vector, then all lanes are copies of lane 0.
     nothing = ir.Constant(context.get_value_type(wanted), ir.Undefined)
-    first = builder.insert_element(nothing, value, ir.Constant(PLACE, 0))
-    return builder.shuffle_vector(
-        first, nothing, ir.Constant(ir.VectorType(PLACE, wanted.width), [0] * wanted.width)
-    )
+    only_first = builder.insert_element(nothing, value, ir.Constant(PLACE, 0))
+    lane_0_for_all = ir.Constant(ir.VectorType(PLACE, wanted.width), [0] * wanted.width)
+    return builder.shuffle_vector(only_first, nothing, lane_0_for_all)
 
 
 def lanes_among(arguments: Any, flags: bool) -> Any:

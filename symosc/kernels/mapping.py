@@ -234,6 +234,7 @@ def difference_by_series(counts, nodes, tau):
     """
     # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n +
     # 1.
+    # Each 0.0 * something is a 0 of its type: complex, or real, or an array.
     size = 0
     largest = 0.0 * tau
     total = 0.0 * nodes[0]
@@ -249,7 +250,7 @@ def difference_by_series(counts, nodes, tau):
         centre = 0.0 * total
     offsets = [0.0 * centre] * 5  # of all nodes, each as often as it is taken: five at most
     radius = 0.0 * tau
-    scale = exp(centre * tau)
+    scale = exp(centre * tau)  # times tau^n / n! below
     at = 0
     for i in range(4):
         for _ in range(counts[i]):

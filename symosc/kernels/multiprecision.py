@@ -247,8 +247,10 @@ class BasisMP:
 
     def _series(self, tau: Mpf) -> tuple[Mpf, ...]:
         """Return E0, E1, E2, R2, I2 and sine, cosine of Omega tau, by Taylor series in tau."""
+        # `slope` and `term` are the n-th terms of E0 and E1 = its integral, by E0' = -cm E0 - w0sq
+        # E1; r and i are those of R2 and I2, the parts of the integral of E1 exp(i Om t).
         context = self.for_series
-        (cm, w0sq, Om) = self.constants
+        cm, w0sq, Om = self.constants
         unit = context.one
         zero = context.zero
         eps = +context.eps

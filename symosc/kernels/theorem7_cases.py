@@ -185,11 +185,12 @@ def window(k, v, B, Omega, side, full):
     if excess_sign > 0:
         return kind, nan, nan, nan
     if excess_sign == 0:
-        theta_cr = slope * HALF_PI[0]
+        half_pi, _ = HALF_PI
+        theta_cr = slope * half_pi
         if kind != ALL_BUT_ONE:
             return kind, nan, nan, theta_cr
         if slope > 0:
-            point = HALF_PI[0]
+            point = half_pi
         else:
             point = THREE_HALVES_PI
         return kind, point, point, theta_cr

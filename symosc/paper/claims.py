@@ -136,6 +136,7 @@ def read_claims(
             raise RecordsError(f"{path.name}, [unjudged]", problem)
         place, reason = row
         unjudged.append(Unjudged(place, statement, reason))
+    # What a claim may refer to: the kind of each target.
     kinds = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
     kinds |= {erratum.id: "errata" for erratum in read_errata()}
     for part in data:
@@ -150,22 +151,22 @@ def read_claims(
             see = table.pop("see", ())
             for target in see:
                 one_of(location, "see", target, kinds)
-            shown = ("figures", "derivation", "errata")
             figures, chapters, errata = (
-                tuple(target for target in see if kinds[target] == kind) for kind in shown
+                tuple(target for target in see if kinds[target] == kind)
+                for kind in ("figures", "derivation", "errata")
             )
             if len(chapters) > 1:
                 raise RecordsError(
                     location, f"see: one chapter at most, not {' and '.join(chapters)}"
                 )
-            check = _check_call(
-                location, checks, table.pop("check", f"{part}.{name.replace('-', '_')}")
-            )
+            # A claim's check is the function of its name in its part's module, unless it names one.
+            own_check = f"{part}.{name.replace('-', '_')}"
+            check = _check_call(location, checks, table.pop("check", own_check))
             derivation = next(iter(chapters), None)
-            texts = {"verdict": CORRECTED if "correction" in table else CONFIRMED}
+            has_correction = "correction" in table
+            texts = {"verdict": CORRECTED if has_correction else CONFIRMED}  # unless it gives one
             texts |= {key: one_line(value) for key, value in table.items()}
             one_of(location, "verdict", texts["verdict"], VERDICTS)
-            has_correction = "correction" in table
             is_faulty = texts["verdict"] in FAULTY
             if not has_correction == bool(errata) == is_faulty:  # all three or none
                 faulty = " or ".join(map(repr, FAULTY))

@@ -201,6 +201,33 @@ def fig2() -> Figure:
     return drawing
 
 
+def _draw_directions(
+    ax: Axes,
+    p: Parameters,
+    alpha: int,
+    points: tuple[np.ndarray, np.ndarray],
+    size: tuple[float, float],
+) -> None:
+    """Draw arrows of one length at points (x, v) of domain `alpha`, in the direction of the motion
+    at t = 0, in axes of width and height `size`.
+    """
+    X, V = points
+    width, height = size
+    F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
+    # The direction of (x', F^(alpha)), as the axes show it.
+    U = V / width
+    W = F / height
+    length = np.hypot(U, W)
+    style: dict[str, Any] = {
+        "pivot": "mid",
+        "color": GREY,
+        "width": 0.004,
+        "scale": 16,
+        "headwidth": 4.5,
+    }
+    ax.quiver(X, V, U / length, W / length, zorder=1, **style)
+
+
 @rc_context(STYLE)
 def fig3() -> Figure:
     """Return Fig. 3, the phase plane with its domains and boundaries, and the direction of motion
@@ -222,25 +249,13 @@ def fig3() -> Figure:
     ax = drawing.add_subplot()
     for alpha, (low, high) in enumerate(((v_low, v1), (v1, v2), (v2, v_high)), 1):
         ax.axhspan(low, high, color=SHADES[alpha - 1], lw=0, zorder=0)
-        # Arrows of one length in the direction of (x', F^(alpha)), as the axes show it: ten columns,
-        # and about seven rows in all domains together.
+        # Ten columns of arrows, and about seven rows in all domains together.
         rows = max(1, round(7 * (high - low) / height))
         X, V = np.meshgrid(
             np.linspace(x_low, x_high, 12)[1:-1],
             low + (np.arange(rows) + 0.5) * (high - low) / rows,
         )
-        F = (float(p.A(alpha) + p.B0) - float(p.k) * X - float(p.c) * V) / float(p.m)
-        U = V / width
-        W = F / height
-        size = np.hypot(U, W)
-        arrows: dict[str, Any] = {
-            "pivot": "mid",
-            "color": GREY,
-            "width": 0.004,
-            "scale": 16,
-            "headwidth": 4.5,
-        }
-        ax.quiver(X, V, U / size, W / size, zorder=1, **arrows)
+        _draw_directions(ax, p, alpha, (X, V), (width, height))
         place = (x_high - 0.02 * width, (low + high) / 2)
         box = dict(BOX, facecolor=SHADES[alpha - 1])
         ax.text(

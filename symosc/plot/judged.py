@@ -315,6 +315,7 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
         mew=1.6,
         label="given, end of this step",
     )
+    # If all values are the same, the axis still has a height.
     margin = 0.08 * (float(np.ptp(shown_values)) or 1.0)
     low = float(np.min(shown_values)) - margin
     high = float(np.max(shown_values)) + margin
@@ -537,6 +538,19 @@ COLUMN_WIDTH = 0.8
 
 
 @public
+def _solver_look(i: int) -> Record:
+    """Return the colour and mark of the i-th solver, as keywords of matplotlib."""
+    # Once the colours are used up the marks move on by one: no pair of the two comes twice.
+    mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
+    return {
+        "color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)],
+        "marker": mark,
+        "linestyle": "none",
+        "markersize": 3.2,
+        "markeredgewidth": 0,
+    }
+
+
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Draw the scores of solvers on reference cases.
 
@@ -562,18 +576,10 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     require(sequence_of(Score), scores=scores)
     if not len(scores):
         raise ParameterError("scores", scores, "must be one or more")
-    looks = []
-    for i, _ in enumerate(scores):
-        # Once the colours are used up the marks move on by one: no pair of the two comes twice.
-        mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
-        look: Record = {
-            "color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)],
-            "marker": mark,
-            "linestyle": "none",
-        }
-        looks.append(look | {"markersize": 3.2, "markeredgewidth": 0})
+    looks = [_solver_look(i) for i in range(len(scores))]
     with axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
         for i, score in enumerate(scores):
+            # Solvers stand side by side in the column of a case.
             shift = COLUMN_WIDTH * ((i + 0.5) / len(scores) - 0.5)
             heights = map(_height, score.cases)
             drawn = [(k + shift, height) for k, height in enumerate(heights) if height is not None]

@@ -131,6 +131,24 @@ def window_figure(
     return drawing
 
 
+def _name_phase(axes: Axes, theta: float, name: str) -> None:
+    """Write a phase's name outside the circle, farther at its top and bottom, on the side away from
+    it.
+    """
+    if abs(cos(theta)) < 0.5:
+        beyond = 1.28
+    else:
+        beyond = 1.22
+    if cos(theta) > 0.1:
+        side = "left"
+    elif cos(theta) < -0.1:
+        side = "right"
+    else:
+        side = "center"
+    style: Record = {"color": CRITICAL_COLOR, "ha": side, "va": "center", "fontsize": 8}
+    axes.text(beyond * cos(theta), beyond * sin(theta), name, **style)
+
+
 def _circle(axes: Axes, window: GrazingWindow) -> None:
     """Draw the circle of phases, on it the window as a thick arc, and the phases Theta_cr and pi -
     Theta_cr.
@@ -161,26 +179,14 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
             zorder=1,
         )
     for (theta, _), name in zip(critical, (r"$\Theta^{cr}$", r"$\pi-\Theta^{cr}$"), strict=False):
-        # The names stand outside the circle, farther at its top and bottom, on the side away from
-        # it.
-        if abs(cos(theta)) < 0.5:
-            beyond = 1.28
-        else:
-            beyond = 1.22
-        if cos(theta) > 0.1:
-            side = "left"
-        elif cos(theta) < -0.1:
-            side = "right"
-        else:
-            side = "center"
-        style: Record = {"color": CRITICAL_COLOR, "ha": side, "va": "center", "fontsize": 8}
-        axes.text(beyond * cos(theta), beyond * sin(theta), name, **style)
+        _name_phase(axes, theta, name)
     for quarter, side in enumerate(("left", "center", "right", "center")):
-        x = cos(quarter * pi / 2)
-        y = sin(quarter * pi / 2)
+        angle = quarter * pi / 2
+        x = cos(angle)
+        y = sin(angle)
         axes.plot([0.94 * x, x], [0.94 * y, y], color="black", linewidth=0.6)
         # Not where the name of a critical phase stands.
-        if all(cos(quarter * pi / 2 - angle) < 0.95 for angle, _ in critical):
+        if all(cos(angle - theta) < 0.95 for theta, _ in critical):
             axes.text(1.12 * x, 1.2 * y, PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
     axes.set_axis_off()

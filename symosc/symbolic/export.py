@@ -184,9 +184,11 @@ class _Program(NamedTuple):
             # Map n leads from point n to point n + 1 of z, two numbers each.
             names = ("x_i", "theta_i", "x_j", "theta_j")
             z = {name: f"z[{2 * n + i}]" for i, name in enumerate(names)}
+            arguments = ", ".join([*z.values(), "K"])
+            # A Jacobian takes only those of the four numbers that its formula has.
             parameters = self.functions[label + MATRIX].args.args
             used = [z[parameter.arg] for parameter in parameters if parameter.arg != "K"]
-            calls.append((label, ", ".join([*z.values(), "K"]), ", ".join([*used, "K"])))
+            calls.append((label, arguments, ", ".join([*used, "K"])))
         return calls
 
     def about(self, mark: str, run: str) -> str:
@@ -231,10 +233,8 @@ def _program(word: Word, arrays: bool) -> _Program:
     from symosc.engine.flow import APART
     from symosc.kernels import _generated, entire, entire_array, mapping
 
-    sources = [
-        inspect.getsource(module)
-        for module in (_generated, entire_array if arrays else entire, mapping)
-    ]
+    basis_functions = entire_array if arrays else entire
+    sources = [inspect.getsource(module) for module in (_generated, basis_functions, mapping)]
     maps: list[str] = []
     roots: list[str] = []  # functions that the program has in any case
     for row, exit in zip(word.maps, word.exits(), strict=True):
@@ -276,22 +276,27 @@ def _program(word: Word, arrays: bool) -> _Program:
     setup = {ast.unparse(node.targets[0]): node for node in steps if isinstance(node, ast.Assign)}
     fields = [name for name in (*setup, "v1", "v2") if name in constants]
     _check_complete(functions, {*numbers, *LIBRARY}, constants - set(fields))
-    needed = set(fields)
-    needed_steps = list[ast.Assign]()
-    # Backwards: a step is needed by those after it.
-    for name, step in reversed(setup.items()):
-        if name in needed:
-            needed_steps.insert(0, step)
-            needed |= _names(step.value)
     return _Program(
         word,
         functions,
         maps,
-        setup=needed_steps,
+        setup=_steps_needed(setup, fields),
         fields=fields,
         numbers=numbers,
         arrays=arrays,
     )
+
+
+def _steps_needed(setup: dict[str, ast.Assign], fields: list[str]) -> list[ast.Assign]:
+    """Return the steps of the setup that compute the fields, with those that these steps use."""
+    needed = set(fields)
+    steps = list[ast.Assign]()
+    # Backwards: a step is needed by those after it.
+    for name, step in reversed(setup.items()):
+        if name in needed:
+            steps.insert(0, step)
+            needed |= _names(step.value)
+    return steps
 
 
 def _constants_used(functions: Iterable[ast.FunctionDef]) -> set[str]:

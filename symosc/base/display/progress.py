@@ -76,7 +76,7 @@ def bar(label: str, total: float, unit: str = "steps") -> AbstractContextManager
     """Return a context that shows a progress bar, and gives a function to call with the amount done
     and the total.
     """
-    return reporting(True, 0, total, label, unit)
+    return reporting(progress=True, there=0, total=total, label=label, unit=unit)
 
 
 @contextmanager

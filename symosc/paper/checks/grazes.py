@@ -210,9 +210,8 @@ def tangential(figure: Graze) -> Evidence:
     touch = is_grazing(p, figure.mapping, contact.x, contact.theta)
     slope = touch.values[-1]
     grazes = event.kind == "graze" and is_zero(force) and touch.grazing
-    numbers["t, x of the red point from the exact start"] = (
-        f"{text(event.t, 25)}, {text(event.x, 12)}"
-    )
+    red_point = f"{text(event.t, 25)}, {text(event.x, 12)}"
+    numbers["t, x of the red point from the exact start"] = red_point
     numbers[f"{name}, G⁽¹⁾ at the red point"] = f"{force_text(force)}, {text(slope, 12)}"
     finding = (
         f"From the start to 40 decimals the motion {'grazes' if grazes else 'does not graze'} belt "
@@ -221,7 +220,8 @@ def tangential(figure: Graze) -> Evidence:
     )
     rounded = motion(figure.scene).events
     if len(rounded) > 1 and rounded[0].kind == "stick":
-        duration = rounded[1].t - rounded[0].t
+        stick, slip, *_ = rounded
+        duration = slip.t - stick.t
         numbers["stick in place of the graze, from the printed start, lasts"] = text(duration, 12)
         finding += (
             f" From the printed digits it overshoots and sticks for a time of {text(duration, 4)}."
@@ -756,8 +756,10 @@ def values_that_graze(scene: Scene, mapping: str, name: str) -> list[FreeValue]:
     gaps = [gap(float(value)) for value in values]
     grazing = []
     for i, (before, after) in enumerate(pairwise(gaps)):
-        # A zero needs a change of sign, and a gap that jumps has none. (`not` is for NaN.)
-        if not before * after <= 0 or abs(before - after) > 10 * max(1.0, abs(printed)):
+        # A root needs a change of sign, and a gap that jumps has none. NaN has none either.
+        has_root = before * after <= 0
+        jumps = abs(before - after) > 10 * max(1.0, abs(printed))
+        if not has_root or jumps:
             continue
         root = float(brentq(gap, values[i], values[i + 1]))
         peak = _peak(scene, mapping, {name: root})

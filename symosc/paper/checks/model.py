@@ -609,9 +609,10 @@ def _first_exit(boundary: int, equation: int) -> dict[str, str]:
             alpha: field(p, alpha, t + elapsed, x + speed * elapsed, speed) for alpha in (lo, hi)
         }
 
+    # The first instant of a grid at which no hold is left, then its end by root finding before it.
     grid = np.linspace(0.0, 20.0, 4001)
     along = forces(grid)
-    after = int(np.argmax((along[lo] < 0) | (along[hi] > 0)))  # the first instant without a hold
+    after = int(np.argmax((along[lo] < 0) | (along[hi] > 0)))
     if along[lo][after] < 0:
         slips_into = lo
     else:
@@ -657,7 +658,7 @@ def governing_equations() -> Evidence:
         size_x = max(1.0, abs(x))
         size_v = max(1.0, abs(v))
         residuals[label].append(max(abs(f1) / size_x, abs(f2) / size_v))
-        if len(residuals[label]) <= 3:
+        if len(residuals[label]) <= 3:  # DOP853 is slow: three flights of a kind
             run = dop853(
                 p, p.A(int(segment.mode[-1])), (float(start.t), t), (float(start.x), float(start.v))
             )

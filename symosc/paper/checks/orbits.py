@@ -345,7 +345,7 @@ def closing_conditions(scene: Scene, closed: bool = False) -> Evidence:
     if closed:
         printed = all_rows
     else:
-        printed = all_rows[: 2 * count]
+        printed = all_rows[:-2]
     rank, full_rank = (int(np.linalg.matrix_rank(matrix)) for matrix in (printed, all_rows))
     contacts = [
         start_contact(scene, motion(scene).events[0].boundary),

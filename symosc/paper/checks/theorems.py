@@ -199,6 +199,7 @@ def time_before_and_after() -> Evidence:
     passing = 0
     before = 0
     for contact in all_contacts():
+        # The lower domain is on the side -1 of the belt, the upper one on the side 1.
         lo, hi = contact.domains
         for source, target, side in ((lo, hi, -1), (hi, lo, 1)):
             if contact.passes and contact.next_mode == f"Omega{target}":

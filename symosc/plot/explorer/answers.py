@@ -297,29 +297,15 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
             belt = f"belt {mark.belt}"
         else:
             belt = ""
-        marks.append(
-            (
-                mark.t,
-                *trajectory(mark.t).tolist(),
-                mark.color,
-                belt,
-                *_shape(mark.label, MARK_SCALE),
-            )
-        )
-    contacts = []
+        x, v = trajectory(mark.t).tolist()
+        marks.append((mark.t, x, v, mark.color, belt, *_shape(mark.label, MARK_SCALE)))
+    contacts = []  # on the dial of phases
     for event in trajectory.events:
         radius = RINGS[event.boundary] - INSIDE
         theta = event.theta
-        (label, color) = EVENT_MARKS[event.kind]
-        contacts.append(
-            (
-                radius * cos(theta),
-                radius * sin(theta),
-                theta,
-                color,
-                *_shape(label, DIAL_MARK_SCALE),
-            )
-        )
+        label, color = EVENT_MARKS[event.kind]
+        position = radius * cos(theta), radius * sin(theta)
+        contacts.append((*position, theta, color, *_shape(label, DIAL_MARK_SCALE)))
     period = tau / float(scene.parameters.Omega)
     # The Poincaré section, at whole periods. The last one may lie outside the motion by rounding.
     section_times = np.arange(ceil(view.t[0] / period), floor(view.t[-1] / period) + 1) * period
