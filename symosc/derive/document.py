@@ -159,6 +159,7 @@ def check(key: str, title: str, items: list[Any], progress: Progress | None = No
             kind: str | None = "thm"
         else:
             kind = COUNTED.get(type(item))
+        # Theorems, equations, tables ... are counted each for themselves.
         if kind is not None:
             counts[kind] += 1
             if number:

@@ -364,7 +364,13 @@ def _motion(scope: FragmentScope) -> Items:
     at_start, x_step, v_step, _ = domains.flow()
     solved = flat(domains.solved_functions(generic_basis()))
     rest_of_functions = [item for item in solved if isinstance(item, Step) and item.left != E2]
-    resonance = regime.name == "resonance"
+    # At resonance all functions have closed forms of their own; else the others follow from three.
+    if regime.name == "resonance":
+        in_closed_form = BASIS
+        others: Items = ()
+    else:
+        in_closed_form = (E0, E1, E2)
+        others = ("and with", rest_of_functions)
     return (
         "The motion is",
         [x_step, v_step],
@@ -372,11 +378,8 @@ def _motion(scope: FragmentScope) -> Items:
         at_start,
         rf"{BASIS_TEXT}. In the regime {name} ({condition})",
         steps,
-        [
-            domains.basis_function(f, regime, label=f.name)
-            for f in (BASIS if resonance else (E0, E1, E2))
-        ],
-        () if resonance else ("and with", rest_of_functions),
+        [domains.basis_function(f, regime, label=f.name) for f in in_closed_form],
+        others,
     )
 
 

@@ -257,7 +257,9 @@ def _bound() -> Items:
 
 
 def event_bound(p: Parameters, belts: set[int], changes: int) -> int:
-    """Return the bound of the corollary on the number of events in a period of the drive."""
+    """Return the bound of the corollary on the number of events in a period of the drive: three in
+    each of the pieces that the period is cut into.
+    """
     square = number(p.k / p.m) - number(p.c / p.m) ** 2 / 4
     frequency = CONTEXT.sqrt(max(square, CONTEXT.mpf(0)))
     cuts = floor(2 * frequency / number(p.Omega))

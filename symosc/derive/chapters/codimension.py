@@ -344,9 +344,17 @@ def _ratio() -> Step:
     entries = sp.symbols("M_{11} M_{12} M_{21} M_{22}", real=True)
     matrix = sp.Matrix(2, 2, entries)
     push = sp.Matrix(sp.symbols("p q", real=True))  # what the parameters change in a period
-    # The velocity of the fixed point of a period: without a stick, and with one, which makes all
-    # velocities the same.
-    without, stuck = (((sp.eye(2) - matrix * sp.diag(1, kept)).inv() * push)[1] for kept in (1, 0))
+
+    def velocity(kept: int) -> Any:
+        """Return the velocity of the fixed point z = M D z + push of a period, with D = diag(1,
+        kept).
+        """
+        _, fixed_velocity = (sp.eye(2) - matrix * sp.diag(1, kept)).inv() * push
+        return fixed_velocity
+
+    # A stick makes all velocities the same.
+    without = velocity(kept=1)
+    stuck = velocity(kept=0)
     m_11, m_12, m_21, m_22 = entries
     right = ((1 - m_11) * (1 - m_22) - m_12 * m_21) / (1 - m_11)
     check = exact({named(r"\frac{\epsilon_{+}}{\epsilon_{-}}"): stuck / without}, sp.simplify)
@@ -452,9 +460,8 @@ def meeting(kind: str) -> tuple[Any, Any]:
             # Sticks at x = F_N - 1 from the phase pi on until the force from above is 0.
             start = friction - 1
             leaves = 2 * CONTEXT.pi - CONTEXT.acos(friction + start)
-            place, speed = flow(
-                above, start, CONTEXT.mpf(0), leaves, (2 * CONTEXT.pi - leaves) / frequency
-            )
+            remaining = (2 * CONTEXT.pi - leaves) / frequency
+            place, speed = flow(above, start, CONTEXT.mpf(0), leaves, remaining)
         else:  # leaves at the phase pi with the force 0
             start = -1 - friction
             place, speed = flow(above, start, CONTEXT.mpf(0), CONTEXT.pi, CONTEXT.pi / frequency)

@@ -402,6 +402,7 @@ def _one_exponential(v: Any, mode: Any) -> Any:
     """Return the velocity v expanded and, if `mode`, the factor of C1 in x, decays, with e^{-ct/2m}
     factored out.
     """
+    # A symbol stands for the exponential, so that .coeff() finds its factor.
     if not mode.has(sp.exp):
         return sp.expand(v)
     v = sp.expand(v)
@@ -476,9 +477,9 @@ def tidy(expr: Any) -> Any:
     """
     waves = sorted(expr.atoms(sp.exp), key=sp.default_sort_key)
     stand_ins = [sp.Dummy() for _ in waves]
-    numerator, denominator = sp.fraction(
-        sp.together(expr.xreplace(dict(zip(waves, stand_ins, strict=True))))
-    )
+    # A symbol stands for each exponential, so that .coeff() finds its factor.
+    without_waves = expr.xreplace(dict(zip(waves, stand_ins, strict=True)))
+    numerator, denominator = sp.fraction(sp.together(without_waves))
     trig = sorted(numerator.atoms(*_WAVES), key=sp.default_sort_key)
     numerator = sp.expand(numerator)
     without_exp = numerator.xreplace(dict.fromkeys(stand_ins, sp.Integer(0)))

@@ -345,10 +345,11 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
         target = int(event.target[-1])
         if event.source.startswith("Omega"):  # a flight ends, else a stick
             e0, e1, e2 = flight_basis(p)(t - time_before)
-            dx, dv = (
-                (1 - w0sq * e2) * dx + e1 * dv + e2 * push[source],
-                e0 * dv - w0sq * e1 * dx + e1 * push[source],
-            )
+            dx_at_end = (1 - w0sq * e2) * dx + e1 * dv + e2 * push[source]
+            dv_at_end = e0 * dv - w0sq * e1 * dx + e1 * push[source]
+            dx = dx_at_end
+            dv = dv_at_end
+            # The event comes so much earlier or later that the velocity is the belt's again.
             force_before = force_at_belt(p, source, *contact)
             slopes.append(-dv * number(p.m) / force_before)
             if event.target.startswith("Omega"):
@@ -356,9 +357,9 @@ def event_time_derivatives(scene: str, by_friction: bool) -> list[Any]:
             else:  # on a belt all have its velocity
                 dv = dv * 0
         else:
-            rate = -(
-                number(p.k * p.belt(belt)) + number(p.B0 * p.Omega) * CONTEXT.sin(phase)
-            ) / number(p.m)
+            spring_rate = number(p.k * p.belt(belt))
+            drive_rate = number(p.B0 * p.Omega) * CONTEXT.sin(phase)
+            rate = -(spring_rate + drive_rate) / number(p.m)  # of the force at the slip
             slopes.append((w0sq * dx - push[target]) / rate)
         time_before = t
     return slopes

@@ -353,7 +353,7 @@ def _window(mapping: str, gamma: Any, amplitude: Any) -> Step:
     values = {g: gamma, a: amplitude}
     conditions = (
         (row, row.condition.subs(values, simultaneous=True))
-        for row in theorem7.all_cases(place, False)
+        for row in theorem7.all_cases(place, full=False)
     )
     case = next(row for row, condition in conditions if sp.simplify(condition) == sp.true)
     check = window(place.side, gamma, amplitude, {CRITICAL: sp.asin(-g / a)})
@@ -370,6 +370,7 @@ def _with_critical_phase(phases: Any) -> Any:
         return phases
     low, high, *open_ends = phases.args
     names = {sp.asin(g / a): -CRITICAL}
+    # sp.Interval itself would ask which end is larger, which a symbol does not say.
     return sp.Basic.__new__(sp.Interval, low.subs(names), high.subs(names), *open_ends)
 
 

@@ -37,6 +37,7 @@ def coulomb(alpha: int) -> Any:
     """Return the constant force in a domain: A0 and, for each belt, its friction -mu FN sgn(v -
     v_lambda).
     """
+    # p and q are how far v is from the belts' speeds; of v - v_lambda only the sign matters.
     first, second = sp.symbols("p q", positive=True)
     if alpha == 1:
         slip1 = -first
@@ -75,8 +76,10 @@ def stick_force(belt: int) -> Any:
     """Return the sum of all other forces on a mass that moves with a belt, without that belt's
     friction: eq. (2).
     """
-    second = 3 - belt
-    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + MU[second] * FN * (1 if second == 2 else -1)
+    # The upper belt pulls a mass on the lower one up, the lower belt one on the upper one down.
+    other_belt = 3 - belt
+    pull = MU[other_belt] * FN * (1 if other_belt == 2 else -1)
+    return A0 + B0 * WAVE - k * x - c * BELTS[belt] + pull
 
 
 def at_each_belt(scope: Scope) -> Check:

@@ -227,7 +227,8 @@ def orbit_points(parameters: Parameters, word: str) -> tuple[tuple[Any, Any], ..
     labels = read_word(word).labels
     first = next(i for i in range(len(labels)) if orbit.labels[i:] + orbit.labels[:i] == labels)
     later = [(x, theta + turn * orbit.periods) for x, theta in points[:first]]
-    whole_turns = turn * CONTEXT.floor(points[first][1] / turn)
+    _, theta_first = points[first]
+    whole_turns = turn * CONTEXT.floor(theta_first / turn)
     return tuple((x, theta - whole_turns) for x, theta in points[first:] + later)
 
 
@@ -537,5 +538,5 @@ def _zeros(function: Any, duration: Any) -> list[Any]:
     """
     # The grid has no point at either end: the function may be 0 there.
     grid = pairwise(duration * (n + CONTEXT.mpf("0.5")) / 120 for n in range(120))
-    brackets = [ends for ends in grid if (function(ends[0]) > 0) != (function(ends[1]) > 0)]
+    brackets = [(low, high) for low, high in grid if (function(low) > 0) != (function(high) > 0)]
     return [CONTEXT.clone().findroot(function, ends, solver="anderson") for ends in brackets]

@@ -173,8 +173,9 @@ def gap_series(order: int) -> Any:
     gap = sp.Add(*(rate * tau**n for n, rate in enumerate(rates, 1)))
     drive = B0 * Omega * sp.sin(theta_i + Omega * tau)
     residual = m * gap.diff(tau, 2) + c * gap.diff(tau) + k * (gap + v_lambda) + drive
-    solved = {rates[0]: balance(x_i, v_lambda, theta_i)}
-    for n, rate in enumerate(rates[1:]):
+    first_rate, *other_rates = rates
+    solved = {first_rate: balance(x_i, v_lambda, theta_i)}
+    for n, rate in enumerate(other_rates):
         condition = residual.diff(tau, n).subs(tau, 0).subs(solved)  # linear in the rate
         solved[rate] = -condition.subs(rate, 0) / condition.diff(rate)
     return gap.subs(solved)
@@ -184,6 +185,7 @@ def _gap_derivative(order: int) -> Any:
     """Return the step that n.(x - x0) and n.x have the same `order`-th derivative, for x0 on a
     straight boundary.
     """
+    # x = (X, Y), and x0 = p + s (-n_2, n_1) moves along the line with the normal n.
     n1, n2, p1, p2 = sp.symbols("n_1 n_2 p_1 p_2", real=True)
     first, second, moved = (sp.Function(name)(t) for name in ("X", "Y", "s"))
     gap = n1 * (first - p1 + n2 * moved) + n2 * (second - p2 - n1 * moved)

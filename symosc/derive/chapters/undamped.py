@@ -375,7 +375,9 @@ def _limit() -> Any:
     """Return the amplitude B0 with V_0 = 1 for m = k = 1 and Omega = 17/10."""
     size = sp.Symbol("size", positive=True)
     values = {k: 1, m: 1, Omega: sp.Rational(17, 10), B0: size}
-    return sp.solve(sp.Abs((Omega * STEADY).subs(values)) - 1, size)[0]
+    largest_velocity = sp.Abs((Omega * STEADY).subs(values))
+    (limit,) = sp.solve(largest_velocity - 1, size)
+    return limit
 
 
 def _one_belt() -> Items:
