@@ -147,8 +147,10 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
     if isinstance(value, ExactPhase) and value.multiple == 0:
         return value.rest, True
     interval = enclosed(value)
+    # mpmath gives each end as an interval of itself; _mpi_ has the two equal ends of that.
     ends = (mp.make_mpf(end._mpi_[0]) for end in (interval.a, interval.b))
     low, high = (read_exact(name, end) for end in ends)
+    # Five digits more than are kept have to be certain.
     if (high - low) * 10 ** (KNOWN_DIGITS + 5) > min(abs(low), abs(high)):
         raise ParameterError(
             name,

@@ -199,7 +199,8 @@ def _power_of_two(typingctx: Any, n: Any) -> Any:
         def constant(of: Any, value: Any) -> Any:
             return ir.Constant(of, [value] * kind.count if in_lanes else value)
 
-        # After the addition n stands in the last bits; shifted by 52 it is the exponent.
+        # A double has 52 bits of mantissa, and before them the exponent plus 1023. Adding TO_INTEGER
+        # puts n into the last bits; with 1023 added and shifted by 52 it is the exponent.
         bits = builder.bitcast(builder.fadd(number, constant(kind, TO_INTEGER)), integer)
         bits = builder.shl(builder.add(bits, constant(integer, 1023)), constant(integer, 52))
         return builder.bitcast(bits, kind)

@@ -90,6 +90,9 @@ def fig1() -> Figure:
 def _draw_arrow(
     ax: Axes, start: tuple[float, float], end: tuple[float, float], color: str, **style: Any
 ) -> None:
+    """Draw an arrow with a filled head from one point to another; `style` as for
+    FancyArrowPatch.
+    """
     arrow: dict[str, Any] = {
         "arrowstyle": "-|>",
         "mutation_scale": 8.0,
@@ -284,8 +287,11 @@ def sticking_interval(p: Parameters, belt: int) -> tuple[float, float]:
     """Return the ends of the interval of x in which the mass sticks to a belt at phase 0 (Theorem
     4).
     """
-    ends = [(p.A(alpha) + p.B0 - p.c * p.belt(belt)) / p.k for alpha in reversed(NEIGHBOURS[belt])]
-    return float(ends[0]), float(ends[1])
+    # It sticks between the positions at which a neighbour's force is 0, the upper one's first.
+    left, right = (
+        (p.A(alpha) + p.B0 - p.c * p.belt(belt)) / p.k for alpha in reversed(NEIGHBOURS[belt])
+    )
+    return float(left), float(right)
 
 
 def _prepare_phase_axes(ax: Axes, p: Parameters, x: Edges, v: Edges) -> None:

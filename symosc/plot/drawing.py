@@ -196,12 +196,12 @@ def read_style(style: Any, figure: Callable[..., object]) -> Record:
     ParameterError for unknown ones; it suggests arguments of the function `figure` too.
     """
     try:
-        named = normalize_kwargs(style, Line2D)
+        options = normalize_kwargs(style, Line2D)
     except TypeError as error:
         raise ParameterError(" ".join(style), style, f"must be given only once: {error}") from None
-    for name, value in named.items():
+    for name, value in options.items():
         try:
-            Line2D([], []).set(**{name: value})
+            Line2D([], []).set(**{name: value})  # matplotlib's own check
         except AttributeError:
             known = [*signature(figure).parameters, *ArtistInspector(Line2D).get_setters()]
             allowed = (
@@ -213,7 +213,7 @@ def read_style(style: Any, figure: Callable[..., object]) -> Record:
             raise ParameterError(
                 name, value, f"must be a style of matplotlib for lines: {error}"
             ) from None
-    return named
+    return options
 
 
 def figure_of(ax: object) -> Figure:

@@ -440,8 +440,9 @@ def _multipliers(ax: Axes, branch: Branch) -> None:
     """Draw the moduli of the multipliers over the parameter."""
     for rows, look in _stretches(branch):
         values, sizes = multiplier_curves(branch.values[rows], branch.multipliers[rows])
-        for column in (0, 1):
-            ax.plot(values, sizes[:, column], color="black", ls=look, lw=1.2)
+        larger, smaller = sizes.T
+        for curve in (larger, smaller):
+            ax.plot(values, curve, color="black", ls=look, lw=1.2)
     sizes = np.abs(branch.multipliers)
     _mark_ends(ax, branch, [sizes[0], sizes[-1]], "black")
     ax.axhline(1, color="0.4", lw=0.8, ls=(0, (1, 2)), zorder=0, label="unit circle")
@@ -455,13 +456,14 @@ BRANCH_PANELS = {"a": _positions, "b": _multipliers}
 
 def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Interpolate part of a branch: return many parameter values, and at each the moduli of both
-    multipliers.
+    multipliers, the larger one first.
     """
     # Trace and determinant of the monodromy matrix are smooth along a branch and are interpolated;
     # the multipliers are not where a real pair turns complex, and follow from them.
     trace = multipliers.sum(axis=1).real
     determinant = multipliers.prod(axis=1).real
     columns = np.column_stack([values, trace, determinant])
+    # The abscissa is the length of the curve of all three, each in units of its range.
     sizes = np.ptp(columns, axis=0)
     steps = np.linalg.norm(np.diff(columns, axis=0) / np.where(sizes == 0, 1, sizes), axis=1)
     # scipy.interpolate takes longer to load than most figures to draw.
@@ -474,8 +476,10 @@ def multiplier_curves(values: np.ndarray, multipliers: np.ndarray) -> tuple[np.n
         fine = np.unique(np.concatenate([np.linspace(a, b, 24) for a, b in pairwise(along)]))
         columns = Akima1DInterpolator(along, columns[keep], method="makima")(fine)
     values, trace, determinant = columns.T
+    # Multipliers are the roots of z^2 - trace z + determinant.
     root = np.sqrt((trace * trace - 4 * determinant).astype(complex))
-    return values, np.sort(np.abs(np.column_stack([trace + root, trace - root])) / 2)[:, ::-1]
+    moduli = np.abs(np.column_stack([trace + root, trace - root])) / 2
+    return values, np.sort(moduli)[:, ::-1]
 
 
 def _mark_ends(ax: Axes, branch: Branch, heights: Sequence[Any], color: str) -> None:
@@ -530,10 +534,12 @@ def _stretches(branch: Branch) -> list[tuple[slice, Any]]:
     style.
     """
     states = stability(branch)
-    cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), len(states)]
+    count = len(states)
+    cuts = [0, *(np.flatnonzero(states[1:] != states[:-1]) + 1), count]
+    # A stretch has the first point of the next one too: the lines join.
     return [
-        (slice(a, min(b + 1, len(states))), STABILITY_STYLES[str(states[a])])
-        for a, b in pairwise(cuts)
+        (slice(begin, min(end + 1, count)), STABILITY_STYLES[str(states[begin])])
+        for begin, end in pairwise(cuts)
     ]
 
 

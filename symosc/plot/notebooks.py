@@ -371,7 +371,8 @@ def window_page(window: GrazingWindow) -> str:
     to (58).
     """
     rows = [
-        ["(["[low_in], low, high, ")]"[high_in]] for low, high, low_in, high_in in window.intervals
+        ["[" if low_in else "(", low, high, "]" if high_in else ")"]
+        for low, high, low_in, high_in in window.intervals
     ]
     values = {
         "case": window.case,

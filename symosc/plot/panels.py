@@ -234,7 +234,12 @@ def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
         _belt_points(ax, view)
     elif across == "t" or not view.belts_move:
         _belt_speeds(ax, view)
-    _draw_marks(ax, view, view.marks, across, lambda t: view.trajectory(t)[int(up == "v")])
+
+    def height(t: Any) -> Any:
+        x, v = view.trajectory(t)
+        return v if up == "v" else x
+
+    _draw_marks(ax, view, view.marks, across, height)
     _horizontal_axis(ax, view, across)
 
 
@@ -404,7 +409,8 @@ def _draw_marks(
         if across == "t":
             abscissas = t
         else:
-            abscissas = view.trajectory(t)[int(across == "v")]
+            x, v = view.trajectory(t)
+            abscissas = v if across == "v" else x
         style = mark_style(label, color, view.scale)
         ax.plot(abscissas, up(t), linestyle="none", clip_on=False, label=label, **style)
 

@@ -205,7 +205,7 @@ def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
     if excess_sign == 0:
         # |gamma| = |B0| Omega/m: the sine of the critical phase is 1 or -1, at a single phase.
         if gamma_sign * amplitude_sign < 0:
-            theta = HALF_PI[0]
+            theta, _ = HALF_PI  # its low part is less than a double shows
         else:
             theta = THREE_HALVES_PI
         return [(theta, window.kind == EVERYTHING)]
@@ -425,15 +425,15 @@ def _equalities(p: Parameters, mapping: str, name: str) -> list[Fraction]:
     speed = p.belt(place(mapping).boundary)
     level = abs(p.k * speed)
     size = abs(p.B0 * p.Omega)
-    ratios = {"Omega": (level, abs(p.B0)), "B0": (level, p.Omega), "k": (size, abs(speed))}
-    product, factor = ratios.get(name, (size, p.k))
-    if name in ("Omega", "k"):
-        signs: tuple[int, ...] = (1,)
-    else:
-        signs = (1, -1)
-    if product and factor:
-        return [sign * product / factor for sign in signs]
-    return []
+    # The parameter's size: the side of the equation without it, over the other factor of its side.
+    quotients = {"Omega": (level, abs(p.B0)), "B0": (level, p.Omega), "k": (size, abs(speed))}
+    other_side, factor = quotients.get(name, (size, p.k))  # else a belt's speed
+    if not (other_side and factor):
+        return []
+    value = other_side / factor
+    if name in ("Omega", "k"):  # they are not negative
+        return [value]
+    return [value, -value]
 
 
 def _window_areas(axes: Axes, values: np.ndarray, columns: WindowColumns, above: Any) -> None:
@@ -542,11 +542,15 @@ def _margin(
     """
     import sympy as sp
 
-    if condition in (sp.true, sp.false):
-        return np.full_like(x, np.inf if condition == sp.true else -np.inf)
+    if condition == sp.true:
+        return np.full_like(x, np.inf)
+    if condition == sp.false:
+        return np.full_like(x, -np.inf)
     if isinstance(condition, sp.And | sp.Or):
-        margins = [_margin(margin, letters, x, y, more) for margin in condition.args]
-        return (np.min if isinstance(condition, sp.And) else np.max)(margins, axis=0)
+        margins = [_margin(part, letters, x, y, more) for part in condition.args]
+        if isinstance(condition, sp.And):
+            return np.min(margins, axis=0)
+        return np.max(margins, axis=0)
     # sympy's names of the greater side and of the less one, of < and of > alike.
     difference = sp.lambdify(letters, condition.gts - condition.lts, "numpy")(x, y)
     return np.broadcast_to(difference, x.shape) + more * isinstance(condition, sp.Ge | sp.Le)
@@ -582,20 +586,20 @@ def _region_areas(
     """Shade where `inside` > 0, hatch where `allowed` < 0, at the points (x, y), and return the
     legend entries.
     """
-    shown = []
-    both = np.minimum(inside, allowed)
-    if not (both > 0).any():
+    entries = []
+    shaded = np.minimum(inside, allowed)  # > 0 where both are
+    if not (shaded > 0).any():
         box = {"facecolor": "white", "linewidth": 0}
         axes.text(0.5, 0.5, "nowhere here", transform=axes.transAxes, ha="center", bbox=box)
-    for label, values, style in (("inside", both, INSIDE), ("not allowed", -allowed, FORBIDDEN)):
+    for label, values, style in (("inside", shaded, INSIDE), ("not allowed", -allowed, FORBIDDEN)):
         if (values > 0).any():
             finite = np.nan_to_num(values, posinf=1.0, neginf=-1.0)
             hatch = style.get("hatch")
             filled: Record = {"colors": [style["facecolor"]], "hatches": [hatch], "zorder": 0}
             area = axes.contourf(x, y, finite, [0, np.inf], **filled)
             area.set(edgecolor=style["edgecolor"] if hatch else style["facecolor"], linewidth=0)
-            shown.append(Patch(label=label, **style))
-    return shown
+            entries.append(Patch(label=label, **style))
+    return entries
 
 
 def _region_borders(

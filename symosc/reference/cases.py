@@ -274,9 +274,9 @@ def start_before_a_dip(p: Parameters, height: str, t0: str) -> tuple[str, str, s
     ratio = p.k * p.v1 / (p.B0 * p.Omega)
     theta = context.pi + context.asin(context.mpf(ratio.numerator) / ratio.denominator)
     t_m = Fraction(str(theta)) / p.Omega
-    _, x_m, speed = start_with_force(
-        p, 1, 1, str(context.mpf(t_m.numerator) / t_m.denominator), height
-    )
+    t_m_text = str(context.mpf(t_m.numerator) / t_m.denominator)
+    _, x_m, speed = start_with_force(p, 1, 1, t_m_text, height)
+    # Back from the minimum to t0 along the belt.
     return t0, short(Fraction(x_m) - p.v1 * (t_m - Fraction(t0))), speed
 
 
@@ -662,6 +662,7 @@ def continuum() -> Iterator[ReferenceCase]:
                 count = 8
             else:
                 count = 0
+            # Half a period of the drive from turn to turn, at the lowest and highest place in turn.
             closed = [f"t[{i}] = {2 * n * (i + 1)}*pi" for i in range(count)]
             closed += [f"x[{i}] = {d} {'-+'[i % 2]} {show(x_0)}" for i in range(count)]
             hard = "a continuum of orbits: nothing draws the motion back, so that errors stay"

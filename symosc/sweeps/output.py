@@ -201,10 +201,18 @@ def plan_of(path: Path, to_replace: bool = False) -> str | None:
     if file_with_plan.is_file():
         with suppress(OSError), file_with_plan.open("rb") as file:
             if ending == ".nc":
-                size = len(NETCDF_END.format(NO_CHECKSUM, NO_CHECKSUM))
-                file.seek(-min(size, file.seek(0, os.SEEK_END)), os.SEEK_END)
-            plans = PLAN_FORM.findall(file.readline(1 << 24) if ending == ".csv" else file.read())
-    if not plans or (to_replace and not all(map(ZARR_FORM.fullmatch, _files_in(path)))):
+                end_size = len(NETCDF_END.format(NO_CHECKSUM, NO_CHECKSUM))
+                file_size = file.seek(0, os.SEEK_END)
+                file.seek(-min(end_size, file_size), os.SEEK_END)
+            if ending == ".csv":
+                content = file.readline(1 << 24)  # a file of others may be one endless line
+            else:
+                content = file.read()
+            plans = PLAN_FORM.findall(content)
+    is_output = bool(plans)
+    if is_output and to_replace:
+        is_output = all(map(ZARR_FORM.fullmatch, _files_in(path)))
+    if not is_output:
         raise SweepError(f"{path} exists and is not the output of a sweep: name another file")
     return plans[-1].decode()
 

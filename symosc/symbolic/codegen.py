@@ -183,7 +183,8 @@ def _basis_apart() -> Kernel:
     response = closed[E1].xreplace(names)
     rate = closed[E0].xreplace(names).subs(response, E1).subs(e * c, ec)
     damping = REGIMES["underdamped"].parameters()[cm]
-    # With C = E0 + cm E1 the relations read w0sq E2 = 1 - C and (p + i q) (R2 + i I2) = u + i z.
+    # With C = E0 + cm E1 the relations read w0sq E2 = 1 - C and (p + i q) (R2 + i I2) = u + i z,
+    # where u = cO - C and z = sO - Omega E1: linear equations in E2, and in R2 and I2.
     step, *waves = (sp.expand(relation.subs(E0, C - cm * E1)) for relation in solution.relations())
     short = {w0sq - Omega**2: p, cm * Omega: q, cO: u + C, sO: z + Omega * E1}
     forced = [sp.expand(sp.collect(relation, [R2, I2]).subs(short)) for relation in waves]

@@ -332,7 +332,11 @@ def _map_source(row: Map, exit: str | None, arrays: bool) -> tuple[str, str]:
     start_speed = f"K.v{row.start.boundary}"
     end_speed = f"K.v{row.end.boundary}"
     if row.sticks:
-        domain = NEIGHBOURS[row.start.boundary][exit == "above"]
+        below, above = NEIGHBOURS[row.start.boundary]
+        if exit == "above":
+            domain = above
+        else:
+            domain = below
         label = f"{row.label}_{exit}"
         description = f"stick on belt {row.start.boundary}, slips into domain {domain}"
         residual = f"stick(x_i, theta_i, x_j, theta_j, {start_speed}, K.A{domain}, K)"

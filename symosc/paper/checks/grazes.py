@@ -457,7 +457,7 @@ def curves_meet(figure: Graze) -> Evidence:
     """Check Fig. 8's paths of two belt points: the mass meets them at the red and the blue point,
     and nowhere else.
     """
-    # It does if it is never slower than the belt: then it never falls back to a point of it.
+    # Nowhere else: if it is never slower than the belt, it never falls back to a point of it.
 
     def as_described(path: Trajectory) -> bool:
         kinds = [(event.kind, event.boundary) for event in path.events]
@@ -473,7 +473,7 @@ def curves_meet(figure: Graze) -> Evidence:
         )
         for name, trajectory in (("exact", path), ("printed", printed))
     }
-    red, blue = path.events[:2]
+    red, blue, *_ = path.events
     ahead = blue.x - (red.x + number(p, p.v1) * (blue.t - red.t))
     numbers["mass minus the red point's curve, at the blue point"] = text(ahead, 12)
     holds = as_described(path)
@@ -483,9 +483,9 @@ def curves_meet(figure: Graze) -> Evidence:
         f"{'meets the curves as described only' if holds else 'meets the curves elsewhere too'}. "
         f"From the printed start there is a {printed.events[0].kind} at the red point."
     )
-    return Evidence(
-        verdict(as_described(printed) or (holds and figure.print_is_right), holds), finding, numbers
-    )
+    # Where the print is right, its rounding alone changes what happens from the printed start.
+    as_printed = as_described(printed) or (holds and figure.print_is_right)
+    return Evidence(verdict(as_printed, holds), finding, numbers)
 
 
 # --- do the printed starts graze, and if not, does one misprinted number explain it? ---
@@ -662,7 +662,7 @@ class FreeValue:
     def shortest(self) -> str:
         """The shortest decimal number that differs from `value` by at most `uncertainty`."""
         rounded = [float(f"{self.value:.{digits}g}") for digits in range(1, LONGEST + 1)]
-        fitting = (each for each in rounded if abs(each - self.value) <= self.uncertainty)
+        fitting = (number for number in rounded if abs(number - self.value) <= self.uncertainty)
         return f"{next(fitting, self.value):.{LONGEST}g}"
 
     @property

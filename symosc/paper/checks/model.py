@@ -342,9 +342,13 @@ def friction_characteristics() -> Evidence:
     each figure.
     """
     jumps = [
-        (c.p, b, friction_interval(c.p, b)) for c in contacts(1, CASES, seed=3) for b in (1, 2)
+        (contact.p, belt, friction_interval(contact.p, belt))
+        for contact in contacts(1, CASES, seed=3)
+        for belt in (1, 2)
     ]
-    wrong = sum(high - low != 2 * _friction_coefficient(p, b) * p.FN for p, b, (low, high) in jumps)
+    wrong = sum(
+        high - low != 2 * _friction_coefficient(p, belt) * p.FN for p, belt, (low, high) in jumps
+    )
     numbers: dict[str, Any] = {
         "jumps of (1) at a belt": len(jumps),
         "not 2 μ FN with the belt's own μ": wrong,
@@ -364,30 +368,35 @@ def drive_frequency_ratio() -> Evidence:
     import sympy as sp
 
     t, B0, m, k, Omega = sp.symbols("t B0 m k Omega", positive=True)
-    rests = []
-    for factor in (Omega, Omega * sp.sqrt(k / m)):
-        printed = -B0 * Omega / m * sp.sin(factor * t)  # the last term of (62) and (66)
-        rests.append(sp.simplify((B0 / m * sp.cos(factor * t)).diff(t) - printed))
-    names = (
-        f"d/dt of the drive minus the term in (62), Ω as {words}"
-        for words in ("angular frequency", "ratio to √(k/m)")
-    )
+
+    def difference(frequency: Any) -> Any:
+        """Return the derivative of the drive with this angular frequency, minus what is printed."""
+        printed = -B0 * Omega / m * sp.sin(frequency * t)  # the last term of (62) and (66)
+        return sp.simplify((B0 / m * sp.cos(frequency * t)).diff(t) - printed)
+
+    as_frequency = difference(Omega)
+    as_ratio = difference(Omega * sp.sqrt(k / m))
+    text_before = "d/dt of the drive minus the term in (62), Ω as"
+    numbers = {
+        f"{text_before} angular frequency": as_frequency,
+        f"{text_before} ratio to √(k/m)": as_ratio,
+    }
     finding = (
         "(62) and (66) follow from (9) if Ω is the angular frequency; with a ratio they lack the "
         "factor √(k/m)."
     )
-    return evidence(
-        rests[0] == 0 != rests[1], finding, dict(zip(names, rests, strict=True)), CORRECTED
-    )
+    return evidence(as_frequency == 0 and as_ratio != 0, finding, numbers, CORRECTED)
 
 
 def five_motion_states() -> Evidence:
     """Check that section 3 has five states of motion: in three domains and on two boundaries."""
     p = load_scene("fig5").parameters
-    places = [domain_of(p, v) for v in (p.v1 - 1, p.v1, (p.v1 + p.v2) / 2, p.v2, p.v2 + 1)]
-    domains, boundaries = (
-        sum(place in wanted for place in places) for wanted in ([[1], [2], [3]], [[12], [23]])
-    )
+    # Below, on, between and above the belts' speeds. `domain_of` gives lists: [1], or [12] for the
+    # boundary of domains 1 and 2.
+    speeds = (p.v1 - 1, p.v1, (p.v1 + p.v2) / 2, p.v2, p.v2 + 1)
+    states = [domain_of(p, v) for v in speeds]
+    domains = sum(state in ([1], [2], [3]) for state in states)
+    boundaries = sum(state in ([12], [23]) for state in states)
     numbers = {"domains of (6)": domains, "boundaries of (7)": boundaries}
     finding = "A motion in each domain of (6), and one on each boundary of (7) that stays there."
     return evidence((domains, boundaries) == (3, 2), finding, numbers, DEFINITION)

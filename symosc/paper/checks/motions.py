@@ -654,7 +654,9 @@ def hypotheses(scenes: tuple[Scene, ...]) -> Evidence:
     holds = True
     for scene in scenes:
         p = scene.parameters
-        holds = holds and p.v1 < p.v2 and p.mu1 >= p.mu2 and min(p.m, p.FN, p.B0, p.Omega) > 0
+        are_ordered = p.v1 < p.v2 and p.mu1 >= p.mu2
+        are_positive = min(p.m, p.FN, p.B0, p.Omega) > 0
+        holds = holds and are_ordered and are_positive
         numbers[f"{_figure(scene)}: v₂ − v₁, μ₁ − μ₂"] = text((p.v2 - p.v1, p.mu1 - p.mu2))
     finding = (
         f"v₁ < v₂, μ₁ ≥ μ₂ and B₀ > 0, decided in rational numbers, holds in all {len(scenes)} "

@@ -69,8 +69,9 @@ def orbit_of(scene: Scene) -> PeriodicOrbit:
 
     Raise Refuted if there is none.
     """
-    if found := _orbit_of(scene):
-        return recorded(found)
+    orbit = _orbit_of(scene)
+    if orbit:
+        return recorded(orbit)
     numbers = {"mappings from the printed start": " ".join(motion(scene).word[-8:]) or "none"}
     raise Refuted(f"There is no periodic motion {subscripted(scene.structure)}.", numbers)
 
@@ -561,10 +562,19 @@ def search_start(scene: Scene) -> list[Nearest]:
     t0 = float(scene.t0)
     x0 = float(scene.x0)
     gaps = _gaps(orbit, scene)
+
     # With t0 free, the best switching point is the one whose x is nearest; with x0 free, the one
     # whose t is. With v0 free, the orbit is taken at t0, wherever it is.
-    dt_free, dx_left = min(gaps, key=lambda gap: abs(gap[1]))
-    dt_left, dx_free = min(gaps, key=lambda gap: abs(gap[0]))
+    def size_of_dt(gap: tuple[float, float]) -> float:
+        dt, _ = gap
+        return abs(dt)
+
+    def size_of_dx(gap: tuple[float, float]) -> float:
+        _, dx = gap
+        return abs(dx)
+
+    dt_free, dx_left = min(gaps, key=size_of_dx)
+    dt_left, dx_free = min(gaps, key=size_of_dt)
     x, v = orbit(t0)
     return [
         Nearest("t0", t0 + dt_free, 0.0, dx_left),
@@ -645,18 +655,18 @@ def range_of(p: Parameters, name: str) -> tuple[float, float]:
     value = float(getattr(p, name))
     margin = LEAST * float(p.v2 - p.v1)
     reach = REACH * max(1.0, abs(value))
-    least = {
-        "m": LEAST * value,
-        "k": LEAST * value,
-        "Omega": LEAST * value,
-        "v2": float(p.v1) + margin,
-    }
-    least |= dict.fromkeys(("c", "mu1", "mu2", "FN"), 0.0)
-    if name == "v1":
+    # Values that Parameters allows, and no degenerate ones.
+    least = -inf
+    most = inf
+    if name in ("m", "k", "Omega"):
+        least = LEAST * value
+    elif name in ("c", "mu1", "mu2", "FN"):
+        least = 0.0
+    elif name == "v1":
         most = float(p.v2) - margin
-    else:
-        most = inf
-    return max(value - reach, least.get(name, -inf)), min(value + reach, most)
+    elif name == "v2":
+        least = float(p.v1) + margin
+    return max(value - reach, least), min(value + reach, most)
 
 
 def _misses(scene: Scene, name: str, values: np.ndarray) -> np.ndarray:

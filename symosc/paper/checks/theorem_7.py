@@ -253,10 +253,10 @@ def _same_ends(mapping: str) -> list[bool]:
             printed = [(angle(arc.low), angle(arc.high), arc.closed) for arc in arcs]
             if np.shape(computed) != np.shape(printed):
                 agreed.append(False)
-            else:  # numpy has no maximum of nothing
-                agreed.append(
-                    bool(not arcs or np.abs(np.subtract(computed, printed)).max() < 1e-14)
-                )
+            elif not arcs:  # numpy has no maximum of nothing
+                agreed.append(True)
+            else:
+                agreed.append(bool(np.abs(np.subtract(computed, printed)).max() < 1e-14))
     return agreed
 
 

@@ -50,12 +50,13 @@ def g_functions(n: Any, difference: Any, t: Any) -> tuple[Any, Any]:
     """Return the right sides of (15) and (16) for a normal vector n(t) and `difference` =
     x^(alpha)(t) - x^(0)(t).
     """
-    first = (n.diff(t).T * difference + n.T * difference.diff(t))[0]
-    second = (
+    # Each is a matrix of one entry.
+    (first,) = n.diff(t).T * difference + n.T * difference.diff(t)
+    (second,) = (
         n.diff(t, 2).T * difference
         + 2 * n.diff(t).T * difference.diff(t)
         + n.T * difference.diff(t, 2)
-    )[0]
+    )
     return first, second
 
 
@@ -119,13 +120,15 @@ def general_g_functions() -> Evidence:
     t = sp.Symbol("t")
     n = _vector("n", t)
     difference = _vector("y", t)
-    product = (n.T * difference)[0]
+    (product,) = n.T * difference
     rests = [
-        sp.expand(g - product.diff(t, i)) for i, g in enumerate(g_functions(n, difference, t), 1)
+        sp.expand(g - product.diff(t, order))
+        for order, g in enumerate(g_functions(n, difference, t), 1)
     ]
+    # (15) is the first derivative, (16) the second.
     numbers = {
-        f"({14 + i}) minus derivative {i} of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾)": rest
-        for i, rest in enumerate(rests, 1)
+        f"({14 + order}) minus derivative {order} of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾)": rest
+        for order, rest in enumerate(rests, 1)
     }
     finding = (
         "(15) and (16) are the first and second derivative of nᵀ(x⁽ᵅ⁾ − x⁽⁰⁾) along the flows, for "

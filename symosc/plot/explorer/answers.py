@@ -190,10 +190,11 @@ def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
     """Return t0 plus a number of periods of the drive, as the shortest decimal that gives so many
     periods back.
     """
-    shown = f"{float(periods):.{PERIODS_DIGITS}g}"
+    periods_text = f"{float(periods):.{PERIODS_DIGITS}g}"
     period = Fraction(tau) / Omega
-    exact = t0 + Fraction(shown) * period
-    exponent = floor(log10(max(float(shown), 1e-300)))  # of the first digit
+    exact = t0 + Fraction(periods_text) * period
+    exponent = floor(log10(max(float(periods_text), 1e-300)))  # of the first digit
+    # Half a unit of the last digit of the periods, as a time.
     half_unit = period * Fraction(10) ** (exponent + 1 - PERIODS_DIGITS) / 2
     candidates = (round(exact, decimals) for decimals in count())
     return next(end for end in candidates if abs(end - exact) < half_unit)
@@ -204,6 +205,8 @@ def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
 #: More events than this are not followed, and more than these not listed: an answer takes no longer
 #: than a look.
 MOST_SHOWN_EVENTS = 300
+#: Digits of domains.
+SUBSCRIPTS = {"1": "₁", "2": "₂", "3": "₃"}
 TABLE_ROWS = 100
 SAMPLING = Sampling(per_period=60, least=12, most=1000)
 #: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times
@@ -251,7 +254,7 @@ def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
     stick.
     """
     notes = []
-    first = trajectory.segments[0].mode
+    first_mode = trajectory.segments[0].mode
     if scene.start_error is not None and any(scene.start_error):
         known = ", ".join(f"±{float(error):.3g}" for error in scene.start_error)
         notes.append(
@@ -262,8 +265,8 @@ def _notes(scene: Scene, trajectory: Trajectory) -> list[str]:
         notes.append(
             f"more than {MOST_SHOWN_EVENTS} events: the picture ends there; show fewer periods"
         )
-    if first.startswith("belt"):
-        notes.append(f"the motion starts with a stick on belt {first[-1]}")
+    if first_mode.startswith("belt"):
+        notes.append(f"the motion starts with a stick on belt {first_mode[-1]}")
     return notes
 
 
@@ -473,7 +476,7 @@ def _table_row(event: Event) -> list[str]:
     """Return the texts of the cells of an event's row in the page's table."""
     numbers = [f"{value:.8g}" for value in (event.t, event.x, event.v, event.theta)]
     modes = [
-        f"Ω{'₁₂₃'[int(mode[-1]) - 1]}" if mode.startswith("Omega") else f"belt {mode[-1]}"
+        f"Ω{SUBSCRIPTS[mode[-1]]}" if mode.startswith("Omega") else f"belt {mode[-1]}"
         for mode in (event.source, event.target)
     ]
     return [event.kind, *numbers, str(event.boundary), *modes]
