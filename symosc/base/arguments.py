@@ -121,6 +121,7 @@ def _text(kinds: Sequence[Kind | type]) -> str:
 
 
 def _text_of(kind: Kind | type) -> str:
+    """Return the name of a kind of argument in messages, such as "an Atlas"."""
     if isinstance(kind, Kind):
         return kind.text
     if kind.__name__ == "Parameters":  # a plural

@@ -252,6 +252,7 @@ def _derivatives(count: int) -> Iterator[Call]:
 
 
 def _single_motions(most: int) -> Iterator[Call]:
+    """Yield the calls that follow one motion, the longest one with `most` events."""
     fig5 = load_scene("fig5")
     fig8 = load_scene("fig8")
     far = replace(fig5, t_end=fig5.t0 + 10**7)
@@ -381,6 +382,7 @@ def _workers(count: int) -> Iterator[Call]:
 
 
 def _sweep(motions: int, folder: str) -> Iterator[Call]:
+    """Yield the calls that follow many motions: without a sweep, and as one that writes files."""
     from symosc.sweeps.sweep import sweep
 
     scene = load_scene("fig9")

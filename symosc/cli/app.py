@@ -160,9 +160,8 @@ class CommandLine(click.Group):
                 raise
             ctx.exit(INTERRUPTED)
         finally:
-            progress.level = (
-                progress.NORMAL
-            )  # a program that runs commands itself goes on as it was
+            # A program that runs commands itself goes on as it was.
+            progress.level = progress.NORMAL
 
 
 def _verbosity_options() -> list[click.Option]:
@@ -214,6 +213,7 @@ def _fail(message: str) -> NoReturn:
 
 
 def _print_citation(context: click.Context, option: click.Parameter, wanted: bool) -> None:
+    """Print the BibTeX entry of the program if the option is given, and end."""
     if wanted:
         from symosc.derive.citation import bibtex
 

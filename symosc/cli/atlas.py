@@ -47,6 +47,7 @@ def atlas(
 
 
 def _print_atlas(plane: symosc.Atlas, *files: Text) -> None:
+    """Print an atlas: the words with their shares, the borders, the special points, the files."""
     rows = [
         [region.word or "none found", f"{region.share:.4%}", f"{region.proven:.4%}"]
         for region in plane.regions

@@ -287,6 +287,7 @@ def codegen(
 
 
 def _export_code(word: str, language: str, name: Text, folder: str, force: bool) -> int:
+    """Print the program of a word, or write it to a folder; return the exit code."""
     from symosc.symbolic.export import export, write_export
 
     options.refuse((folder == STDOUT and force, "--force is about files; leave it out with -o -"))

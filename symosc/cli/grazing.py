@@ -189,6 +189,7 @@ def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters]:
 
 
 def _window_data(window: symosc.GrazingWindow) -> Record:
+    """Return a grazing window as the data that --json prints."""
     from symosc.grazing.window import critical_text, phases_text
 
     exact = critical_text(window)
@@ -287,6 +288,7 @@ def _solve(
 
 
 def _answer_data(answer: Any) -> Record:
+    """Return an answer of --solve as the data that --json prints."""
     from symosc.symbolic.inverse import condition_text, interval_text
 
     question = answer.question

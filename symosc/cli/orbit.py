@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from math import isnan
 from typing import Any
 
 import click
@@ -128,6 +129,7 @@ def _print_response(problem: symosc.Scene, over: str, picture: Text) -> None:
 def _orbit_data(
     scene: symosc.Scene, orbit: symosc.PeriodicOrbit, branch: symosc.Branch | None
 ) -> Record:
+    """Return an orbit, and its branch if there is one, as the data that --json prints."""
     data = {"scene": scene.name, **orbit.as_dict()}
     if orbit.admissible:
         data["start"] = orbit.approach(scene)._asdict()
@@ -178,13 +180,17 @@ def _report_text(
 
 
 def _start_text(scene: symosc.Scene, orbit: symosc.PeriodicOrbit) -> str:
+    """Return a sentence on how far a scene's start is from its orbit, and whether its motion comes
+    near.
+    """
     near = orbit.approach(scene)
     text = (
         f"the start of {scene.name} (t = {show(scene.t0)}) differs from the orbit by "
         f"{near.offset_x:.3g} in x and"
     )
     text += f" {near.offset_v:.3g} in v"
-    if near.dt == near.dt:  # not NaN: the start is on a belt of the orbit
+    is_on_belt = not isnan(near.dt)  # one of the orbit's
+    if is_on_belt:
         text += f", from its nearest switching by {near.dt:.3g} in t and {near.dx:.3g} in x"
     if near.periods is None:
         return f"{text}; the motion from it does not come within {near.within:g}"

@@ -36,6 +36,7 @@ def scenes(scene: str | None) -> None:
 
 
 def _print_scenes(listed: list[Scene]) -> None:
+    """Print the table of scenes, with the source that those of the paper share below it."""
     # The source of every scene of the paper begins with the paper; once is enough.
     sources = [scene.source for scene in listed if figure_of(scene.name)]
     common = commonprefix(sources).rpartition(", ")[0]  # noqa: RUF071  letter by letter
@@ -50,6 +51,8 @@ def _print_scenes(listed: list[Scene]) -> None:
 
 
 def _scene_data(scene: Scene) -> Record:
+    """Return a scene as the data that --json prints."""
+
     def start(problem: Scene | Original) -> Record:
         return {name: show(getattr(problem, name)) for name in START_NAMES}
 

@@ -62,6 +62,7 @@ def simulate(scene: str, settings: Settings, csv: Text, **run_options: Any) -> i
 
 
 def _print_events(trajectory: symosc.Trajectory) -> None:
+    """Print the table of a motion's events, its word and how it ended."""
     heads = {"boundary": "belt", "source": "from -> to"}
     names = [name for name in EVENT_COLUMNS if name != "target"]
     rows = [[_cell(name, row) for name in names] for row in trajectory.table()]

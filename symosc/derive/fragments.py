@@ -194,6 +194,7 @@ def _acceleration() -> list[Step]:
 
 
 def _friction(scope: FragmentScope) -> Items:
+    """Return the items on the model: its forces, and the acceleration in each domain."""
     return (
         r"A mass $m$ on a spring $k$ and a damper $c$ is driven by $A_0 + B_0\cos\Omega t$ and "
         r"pressed with the force $F_N$ between two belts with the speeds $v_1 < v_2$ and the "
@@ -208,6 +209,7 @@ def _friction(scope: FragmentScope) -> Items:
 
 
 def _flow(scope: FragmentScope) -> Items:
+    """Return the items on the motion inside a domain."""
     return (
         r"Where $m\ddot{x} + c\dot{x} + k x = A_\alpha + B_0\cos\Omega t$, take the motion from "
         r"$(x_i, \dot{x}_i)$ at the time $t_i$ with the phase $\theta_i = \Omega t_i$, at $\tau = "
@@ -217,6 +219,7 @@ def _flow(scope: FragmentScope) -> Items:
 
 
 def _stick(scope: FragmentScope) -> Items:
+    """Return the items on a stick: how long it lasts, and the forces that decide it."""
     return (
         r"While the mass moves with belt $\lambda$, $\dot{x} = v_\lambda$ and $\ddot{x} = 0$. The "
         r"stick lasts as long as $F^{(\lambda)} \ge 0 \ge F^{(\lambda+1)}$, where $m F^{(\alpha)}$ "
@@ -232,6 +235,7 @@ def _stick(scope: FragmentScope) -> Items:
 
 
 def _g_functions(scope: FragmentScope) -> Items:
+    """Return the items on the G-functions at a boundary."""
     return (
         r"The G-functions of the domain $\Omega_\alpha$ at a boundary $\dot{x} = v_\lambda$ are "
         r"the derivatives of the acceleration $F^{(\alpha)}$ along its flow; $\theta = \Omega t$ "

@@ -77,6 +77,9 @@ def formula(latex: str, display: bool = False) -> str:
 
 
 def _plain_text(text: str) -> str:
+    """Return HTML of a text outside formulas: its LaTeX commands as elements, dashes and quotes as
+    signs.
+    """
     text = escape(text.replace("-{}-", "\0"), quote=False)
     for command, element in WORDS.items():
         text = re.sub(rf"\\{command}\{{([^{{}}]*)\}}", rf"<{element}>\1</{element}>", text)

@@ -252,6 +252,7 @@ def _in_order(view: View) -> tuple[Contact, ...]:
 
 
 def _contact_mark(contact: Contact) -> Mark:
+    """Return the mark of a graze, or of the onset of a stick."""
     return Mark(
         "grazing point" if contact.until == contact.since else "contact",
         SWITCH_COLOR,
@@ -333,6 +334,7 @@ def motion_caption(name: str) -> str:
 
 
 def _panels_text(view: View) -> str:
+    """Return the part of a caption that says what the panels (a) to (f) and their marks are."""
     sticks = any(event.kind == "stick" for event in view.trajectory.events)
     return (
         f"(a) Displacement, (b) velocity, (c) phase plane, (d) to (f) {_forces(view)} against "
@@ -342,6 +344,7 @@ def _panels_text(view: View) -> str:
 
 
 def _distance_text(orbit: str) -> str:
+    """Return the part of a caption that says how far the printed start is from an orbit."""
     scene = load_scene(orbit)
     away = find_orbit(scene.parameters, str(scene.structure)).approach(printed_scene(orbit))
     return (

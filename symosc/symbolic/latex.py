@@ -122,6 +122,7 @@ class PaperPrinter(LatexPrinter):
         self.decimals = decimals
 
     def _print_Symbol(self, expr: Expr, style: str = "plain") -> str:
+        """Print a symbol by its name in LATEX_NAMES, else as sympy does but x_i instead of x_{i}."""
         if expr in LATEX_NAMES:
             return LATEX_NAMES[expr]
         if re.search(r"[\\{^]", expr.name):
@@ -135,6 +136,7 @@ class PaperPrinter(LatexPrinter):
         return super()._print_Rational(expr)
 
     def _print_Add(self, expr: Expr, order: Any = None) -> str:
+        """Print a sum, its terms in the order of `terms`."""
         first, *rest = map(self._print, terms(expr))
         signed = (
             f" - {part[1:].lstrip()}" if part.startswith("-") else f" + {part}" for part in rest
@@ -142,6 +144,7 @@ class PaperPrinter(LatexPrinter):
         return str(first) + "".join(signed)
 
     def _print_Mul(self, expr: Expr) -> str:
+        """Print a product, with its quotients in front."""
         coefficient, _ = expr.as_coeff_Mul()
         negative = expr.could_extract_minus_sign() and coefficient < 0
         if negative:
@@ -225,6 +228,9 @@ class PaperPrinter(LatexPrinter):
         return (r" \, " if long else " ").join(parts) or "1"
 
     def _print_Pow(self, expr: Expr) -> str:
+        """Print a power; a symbol with a superscript gets parentheses, a negative power is a
+        fraction.
+        """
         base, power = expr.as_base_exp()
         if base.is_Symbol and power.is_Integer and power > 1 and "^" in self._print(base):
             return rf"\bigl({self._print(base)}\bigr)^{{{power}}}"
@@ -235,6 +241,7 @@ class PaperPrinter(LatexPrinter):
         return str(super()._print_Pow(expr))
 
     def _print_ExpBase(self, expr: Expr, exp: Any = None) -> str:
+        """Print an exponential, with a quotient in the exponent on one line."""
         (exponent,) = expr.args
         above, below = sp.fraction(exponent)
         if below == 1 or above.is_Add or below.is_Add:
@@ -243,6 +250,7 @@ class PaperPrinter(LatexPrinter):
         return rf"e^{{{self._print(above)}/{bottom if len(below.args) < 2 else f'({bottom})'}}}"
 
     def _print_sin(self, expr: Expr, exp: Any = None) -> str:
+        """Print a sine or another function of an angle, without parentheses where none are needed."""
         name = rf"\{expr.func.__name__}" + (f"^{{{exp}}}" if exp else "")
         argument = expr.args[0]
         above, below = sp.fraction(argument)
@@ -264,6 +272,7 @@ class PaperPrinter(LatexPrinter):
         return rf"\arcsin{_parentheses(self._print(expr.args[0]))}"
 
     def _print_Interval(self, expr: Expr) -> str:
+        """Print an interval, with tall brackets around fractions."""
         low, high, left_open, right_open = expr.args
         if left_open:
             opening = "("
@@ -286,6 +295,7 @@ class PaperPrinter(LatexPrinter):
         return r"\varnothing"
 
     def _print_And(self, expr: Expr, char: Any = None) -> str:
+        """Print conditions, separated by commas."""
         # Equations stand first, and two bounds of one expression as a chain a < b < c. Texts are
         # sorted together with whether they stand behind.
         texts = []
@@ -318,6 +328,7 @@ class PaperPrinter(LatexPrinter):
         return r"\ \text{or}\ ".join(sorted(self._print(part) for part in expr.args))
 
     def _print_Derivative(self, expr: Expr) -> str:
+        """Print a derivative d/dt, of a sum in parentheses."""
         (variable, count), *_ = expr.variable_count
         if count == 1:
             power = ""
@@ -329,6 +340,7 @@ class PaperPrinter(LatexPrinter):
         return rf"\frac{{d{power}}}{{d {self._print(variable)}{power}}} {operand}"
 
     def _print_Function(self, expr: Expr, exp: Any = None) -> str:
+        """Print an undefined function with its arguments, such as x(t)."""
         if isinstance(expr, AppliedUndef):
             name = expr.func.__name__
             if exp:

@@ -78,6 +78,7 @@ def orbit_of(scene: Scene) -> PeriodicOrbit:
 
 @cache
 def _orbit_of(scene: Scene) -> PeriodicOrbit | None:
+    """Return the periodic orbit of the word that a scene names, None if there is none."""
     try:
         orbit = find_orbit(scene.parameters, str(scene.structure), digits=CONTACT_DIGITS)
     except ConvergenceError:

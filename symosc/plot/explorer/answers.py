@@ -202,11 +202,11 @@ def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
 
 # --- the answer ---
 
+#: Digits of domains.
+SUBSCRIPTS = {"1": "₁", "2": "₂", "3": "₃"}
 #: More events than this are not followed, and more than these not listed: an answer takes no longer
 #: than a look.
 MOST_SHOWN_EVENTS = 300
-#: Digits of domains.
-SUBSCRIPTS = {"1": "₁", "2": "₂", "3": "₃"}
 TABLE_ROWS = 100
 SAMPLING = Sampling(per_period=60, least=12, most=1000)
 #: Digits of the curves' points, relative to what a plot shows: enough to look a thousand times
