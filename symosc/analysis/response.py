@@ -305,6 +305,7 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
         # Without events the motion is its mean and the first harmonic z e^(i Omega t).
         z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))
         mean = float(p.A(domain) / p.k)
+        # Its x and v at t = 0.
         return Settled("linear", (0, mean + z.real, -float(p.Omega) * z.imag), None)
     # In the order of their costs: the last one may follow 1,000 periods.
     orbit = _nearby_orbit(p, before) or _orbit_reached(p, guess) or settled_orbit(p, most=1000)

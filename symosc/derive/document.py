@@ -645,8 +645,12 @@ def make_pdf(main: Path) -> Path:
         if result.returncode and not complaints:
             complaints = ["it failed"]
         if complaints:
-            more = f" and {len(complaints) - 1} more" * bool(complaints[1:])
-            raise SymoscError(f"LaTeX: {complaints[0]}{more}")
+            first, *others = complaints
+            if others:
+                more = f" and {len(others)} more"
+            else:
+                more = ""
+            raise SymoscError(f"LaTeX: {first}{more}")
         return Path(shutil.copy((work / main.name).with_suffix(".pdf"), main.parent))
 
 

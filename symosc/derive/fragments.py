@@ -86,10 +86,11 @@ def check_fragment(name: str, scope: FragmentScope) -> Checked:
     StepError if one fails or divides by 0 in the scope's numbers.
     """
     numbers = scope.given()
-    if numbers:
-        sentence = [f"The {'numbers are' if numbers[1:] else 'number is'} {', '.join(numbers)}."]
-    else:
-        sentence = []
+    sentence = []
+    if len(numbers) == 1:
+        sentence = [f"The number is {numbers[0]}."]
+    elif numbers:
+        sentence = [f"The numbers are {', '.join(numbers)}."]
     fragment = check(name, FRAGMENTS[name].title, flat([sentence, FRAGMENTS[name].items(scope)]))
     for statement, _ in fragment.steps():
         right = scope.shown(statement.right)

@@ -348,6 +348,7 @@ def last_period(scene: Scene, digits: int) -> Sequence[Event]:
     p = scene.parameters
     word = str(scene.structure)
     context = mp_context(digits + 10)
+    # The orbit in doubles is the guess for the one with more digits.
     orbit = find_orbit(p, word, guess=find_orbit(p, word), digits=digits + 10)
     start = orbit.points[0]
     count = len(orbit.points)

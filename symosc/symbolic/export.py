@@ -256,18 +256,7 @@ def _program(word: Word, arrays: bool) -> _Program:
         library["flat"] = next(
             node for node in ast.parse(FLAT).body if isinstance(node, ast.FunctionDef)
         )
-    functions: dict[str, ast.FunctionDef] = {}
-
-    def add(name: str) -> None:
-        """Add a function of the library after those that it calls."""
-        if name in library and name not in functions:
-            for leaf in ast.walk(library[name]):
-                if isinstance(leaf, ast.Call) and isinstance(leaf.func, ast.Name):
-                    add(leaf.func.id)
-            functions[name] = library[name]
-
-    for label in roots:
-        add(label)
+    functions = _functions_needed(library, roots)
     names = set().union(*map(_names, functions.values()))
     constants = _constants_used(functions.values())
     thresholds = vars(entire) | vars(entire_array)
@@ -285,6 +274,26 @@ def _program(word: Word, arrays: bool) -> _Program:
         numbers=numbers,
         arrays=arrays,
     )
+
+
+def _functions_needed(
+    library: dict[str, ast.FunctionDef], roots: list[str]
+) -> dict[str, ast.FunctionDef]:
+    """Return the functions `roots` of the library with all that they call, each after those that it
+    calls.
+    """
+    functions: dict[str, ast.FunctionDef] = {}
+
+    def add(name: str) -> None:
+        if name in library and name not in functions:
+            for leaf in ast.walk(library[name]):
+                if isinstance(leaf, ast.Call) and isinstance(leaf.func, ast.Name):
+                    add(leaf.func.id)
+            functions[name] = library[name]
+
+    for name in roots:
+        add(name)
+    return functions
 
 
 def _steps_needed(setup: dict[str, ast.Assign], fields: list[str]) -> list[ast.Assign]:

@@ -188,14 +188,14 @@ class GrazingQuestion(NamedTuple):
     def latex(self) -> str:
         """Return the property as LaTeX."""
         name = f"P_{{{self.mapping.removeprefix('P')}}}"
-        if self.asked != "contains":
-            return rf"{name} \text{{ grazes at {'no' if self.asked == 'empty' else 'every'} phase}}"
-        interval = isinstance(self.theta, PhaseInterval)
-        if interval:
-            phases = rf"\in {latex(sp.Interval(*self.theta))}"
-        else:
-            phases = f"= {latex(self.theta)}"
-        return rf"{name} \text{{ grazes at {'every ' if interval else ''}}}\theta {phases}"
+        if self.asked == "empty":
+            return rf"{name} \text{{ grazes at no phase}}"
+        if self.asked == "everything":
+            return rf"{name} \text{{ grazes at every phase}}"
+        if isinstance(self.theta, PhaseInterval):
+            interval = latex(sp.Interval(*self.theta))
+            return rf"{name} \text{{ grazes at every }}\theta \in {interval}"
+        return rf"{name} \text{{ grazes at }}\theta = {latex(self.theta)}"
 
 
 def interval_text(values: Expr) -> str:

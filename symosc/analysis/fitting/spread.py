@@ -148,7 +148,8 @@ def _repeating(last_places: np.ndarray, variances: np.ndarray) -> np.ndarray:
     """
     squares = np.where(last_places > 0.0, last_places, 1.0) ** 2
     noise = np.maximum(variances - squares / 12.0, 0.0)
-    share = np.exp(-np.minimum((2.0 * np.pi) ** 2 * noise / squares, 700.0))
+    exponents = (2.0 * np.pi) ** 2 * noise / squares
+    share = np.exp(-np.minimum(exponents, 700.0))  # beyond that exp would underflow, with a warning
     return np.where((last_places > 0.0) & (share > NO_REPEATS), share, 0.0)
 
 

@@ -320,7 +320,8 @@ def contact_steps() -> tuple[Step, Step, Step]:
     rate = named(r"\dot{x}_m")
     at_contact = ((c * acceleration + k * rate) / m).subs({acceleration: 0, rate: v_lambda})
     force = solution.in_paper_letters(solution.acceleration()).subs({v: v_lambda, Omega * t: theta})
-    place = sp.solve(force, x)[0].subs(theta, THETA_M)
+    (without_force,) = sp.solve(force, x)
+    place = without_force.subs(theta, THETA_M)
     return (
         equation(GAMMA, k * v_lambda / m, at_contact, "gamma"),
         equation(AMPLITUDE, B0 * Omega / m, B0 * Omega / m, "a"),

@@ -595,27 +595,29 @@ def search_parameters(scene: Scene, names: tuple[str, ...] = PARAMETER_NAMES) ->
 
 def _search_parameter(scene: Scene, name: str) -> Nearest:
     """Return the value of one parameter for which the motion is nearest to a periodic orbit."""
-    value = float(getattr(scene.parameters, name))
-    (low, high) = range_of(scene.parameters, name)
+    printed = float(getattr(scene.parameters, name))
+    low, high = range_of(scene.parameters, name)
     # Values evenly spaced, and on each side ever closer to what is printed; the smallest misses are
     # minimised.
     closer = np.geomspace(LEAST, 1.0, 50)
-    near = [value - (value - low) * closer, value + (high - value) * closer]
-    values = np.unique(np.concatenate([np.linspace(low, high, 120), *near, [value]]))
+    near = [printed - (printed - low) * closer, printed + (high - printed) * closer]
+    values = np.unique(np.concatenate([np.linspace(low, high, 120), *near, [printed]]))
     misses = _misses(scene, name, values)
     sizes = np.abs(misses).max(axis=1)
     best = misses[sizes.argmin()]
     value = float(values[sizes.argmin()])
     is_orbit = False
     # Local minima: no larger than the neighbours, which the ends lack on one side.
-    padded = np.array([inf, *sizes, inf])
-    valleys = np.flatnonzero((sizes <= padded[:-2]) & (sizes <= padded[2:]) & (sizes < inf))
+    before = np.array([inf, *sizes[:-1]])
+    after = np.array([*sizes[1:], inf])
+    valleys = np.flatnonzero((sizes <= before) & (sizes <= after) & (sizes < inf))
 
     def miss_at(number: float) -> Any:
         (miss,) = _misses(scene, name, np.array([number]))
         return miss
 
-    for i in valleys[np.argsort(sizes[valleys])][:VALLEYS]:
+    deepest = valleys[np.argsort(sizes[valleys])][:VALLEYS]
+    for i in deepest:
         around = float(values[max(i - 1, 0)]), float(values[min(i + 1, len(values) - 1)])
         nearest, miss = _least(miss_at, around)
         if np.abs(miss).max() < ORBIT_NEAR:
