@@ -160,13 +160,13 @@ def view_of(
     first_mode = trajectory.segments[0].mode
     sticks_first = first_mode.startswith("belt")
     if boundary is None:
-        nearest = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
+        # The belt of the first contact, else the one that the velocity comes nearest to.
         if sticks_first:
             boundary = int(first_mode[-1])
         elif events:
             boundary = events[0].boundary
         else:
-            boundary = nearest
+            boundary = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
     contacts = _sticks(trajectory)
     contacts += [
         Contact(float(event.t), float(event.t), event.boundary)

@@ -184,7 +184,8 @@ def _hard(
     own = f"{group} {name}"  # in letters, digits and single hyphens
     for sign, word in {"+": " plus ", "=": " ", "^": "", "'": "", "- ": "minus "}.items():
         own = own.replace(sign, word)
-    own = re.sub(r"[^A-Za-z0-9]+", "-", re.sub(r"(?<=\d)\.(?=\d)", "p", own)).strip("-")
+    own = re.sub(r"(?<=\d)\.(?=\d)", "p", own)  # a decimal point
+    own = re.sub(r"[^A-Za-z0-9]+", "-", own).strip("-")
     source = "a scene of the paper with numbers that make it hard"
     hard = f"{GROUPS[group]}; {name}"
     return ReferenceCase(

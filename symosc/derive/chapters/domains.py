@@ -421,11 +421,11 @@ def constants(form: PaperForm) -> list[Step]:
     C1 and C2 are checked to fit the start.
     """
     start = {tau: sp.Integer(0)}
-    fitted = sp.solve(
-        (form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i), [C1, C2], dict=True
-    )[0]
+    at_start = (form.x.subs(start) - x_i, form.x.diff(tau).subs(start) - v_i)
+    (fitted,) = sp.solve(at_start, [C1, C2], dict=True)
     steps = []
     for letter, value in form.constants.items():
+        # C2 is stated in terms of C1.
         start_fits = {name: fitted[name] for name in (letter, C1) if letter in fitted}
         meaning = start_fits or {name: form.meaning[name] for name in (letter, c, k)}
         steps.append(equation(letter, value, meaning, letter.name.replace("_", "")))

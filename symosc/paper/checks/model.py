@@ -315,7 +315,11 @@ def friction_coefficients_in_order() -> Evidence:
         ]
     cases = [contact for belt in NEIGHBOURS for contact in contacts(belt, CASES, seed=20)]
     # Forces and what the flow does where the order is the reverse one and no force is 0.
-    reverse = [(*c.forces, c.sticks) for c in cases if c.p.mu1 < c.p.mu2 and all(c.forces)]
+    reverse = [
+        (*contact.forces, contact.sticks)
+        for contact in cases
+        if contact.p.mu1 < contact.p.mu2 and all(contact.forces)
+    ]
     wrong = sum((below > 0 > above) != sticks for below, above, sticks in reverse)
     numbers = {
         "events of Figs. 5, 6, 8, 9, 10 compared with their mirror image": len(gaps) - 1,
@@ -458,11 +462,13 @@ def forces_or_accelerations() -> Evidence:
     cases = [
         (contact, alpha) for contact in (*contacts(1), *contacts(2)) for alpha in contact.domains
     ]
-    wrong = sum(
-        c.p.m * vector_field(c.p, alpha, c.x, c.speed, c.c)
-        != _applied_force(c) + added_force(c.p, alpha)
-        for c, alpha in cases
-    )
+
+    def is_newton(contact: RationalContact, alpha: int) -> bool:
+        p = contact.p
+        acceleration = vector_field(p, alpha, contact.x, contact.speed, contact.c)
+        return p.m * acceleration == _applied_force(contact) + added_force(p, alpha)
+
+    wrong = sum(not is_newton(contact, alpha) for contact, alpha in cases)
     masses = {f"Fig. {name.removeprefix('fig')}": load_scene(name).parameters.m for name in FIGURES}
     apart = [name for name, mass in masses.items() if mass != 1]
     numbers: dict[str, Any] = {

@@ -122,13 +122,13 @@ def zero_force_contact(
     """Return a contact with F = 0 in a mapping's domain, for gamma, B0 Omega/m (`amplitude`), sin
     and cos of theta.
     """
-    where = MAPS[mapping]
+    map_row = MAPS[mapping]
     # Any values do for what gamma, the amplitude and the phase do not fix.
     m = Fraction(2)
     k = Fraction(3)
     Omega = Fraction(3, 2)
     speed = gamma * m / k
-    if where.end.boundary == 1:
+    if map_row.end.boundary == 1:
         v1 = speed
         v2 = speed + 5
     else:
@@ -137,8 +137,8 @@ def zero_force_contact(
     drive = {"B0": amplitude * m / Omega, "Omega": Omega}
     p = Parameters(m=m, c=1, k=k, A0=1, **drive, v1=v1, v2=v2, mu1="1/2", mu2="1/3", FN=2)
     # The force falls with x by k/m: this x makes it 0.
-    origin = RationalContact(p, where.end.boundary, Fraction(0), s, c)
-    return RationalContact(p, where.end.boundary, m * origin.force(where.domain) / k, s, c)
+    origin = RationalContact(p, map_row.end.boundary, Fraction(0), s, c)
+    return RationalContact(p, map_row.end.boundary, m * origin.force(map_row.domain) / k, s, c)
 
 
 DRIVES = (Fraction(3), Fraction(7, 4))
@@ -321,18 +321,18 @@ def equality() -> Evidence:
     excluded = 0
     returning = 0
     for mapping in PLACES:
-        where = MAPS[mapping]
+        map_row = MAPS[mapping]
         for size in DRIVES:
             # There F, G^(1) and G^(2) vanish where the sine is -gamma/size, its top or bottom.
-            gamma = where.side * size
-            sine = Fraction(-where.side)
+            gamma = map_row.side * size
+            sine = Fraction(-map_row.side)
             contact = zero_force_contact(mapping, gamma, size, sine, Fraction(0))
             excluded += not is_inside(
                 printed_window(mapping, gamma, size), quarter_turns(sine, Fraction(0))
             )
-            returning += contact.grazes(where.domain)
-            equal = f"γ = {gamma} = {'-' if where.side < 0 else ''}B₀Ω/m"
-            values = ", ".join(map(str, contact.derivatives(where.domain)))
+            returning += contact.grazes(map_row.domain)
+            equal = f"γ = {gamma} = {'-' if map_row.side < 0 else ''}B₀Ω/m"
+            values = ", ".join(map(str, contact.derivatives(map_row.domain)))
             numbers[f"{mapping}, {equal}: F, G⁽¹⁾, G⁽²⁾, G⁽³⁾"] = values
     total = len(numbers)
     numbers |= {
