@@ -302,8 +302,8 @@ def _residuals(points: int) -> Iterator[Call]:
     arguments = (x_i, theta_i, x_j, theta_j)
     by_sympy = "by sympy's lambdify, "
     functions: dict[str, Callable[..., Any]] = {
-        f" {by_sympy}with common subexpressions": lambdified(p, True),
-        f" {by_sympy}as it stands": lambdified(p, False),
+        f" {by_sympy}with common subexpressions": lambdified(p, cse=True),
+        f" {by_sympy}as it stands": lambdified(p, cse=False),
         "": lambda *_: residual(p, "P3", (x_i, theta_i), (x_j, theta_j)),
         ", compiled": compiled_residual(p, "P3", jacobian=False),
         ", compiled, with its Jacobian": compiled_residual(p, "P3", jacobian=True),

@@ -270,7 +270,7 @@ def _solve(
     else:
         (question,) = parameter_names
     answers: list[Any] = []
-    with late_bar(True, "solve", "maps") as advance:
+    with late_bar(progress=True, label="solve", unit="maps") as advance:
         for count, mapping in enumerate(mappings, start=1):
             if phases is None:
                 answers.append(symosc.values_empty(p, mapping, question))

@@ -329,7 +329,7 @@ def _windows_in_numbers(scope: FragmentScope) -> Iterator[Step]:
         if {"m", "k", "B0", "Omega", f"v{place.boundary}"} <= given:
             gamma = (k * BELTS[place.boundary] / m).xreplace(scope.numbers)
             amplitude = (B0 * Omega / m).xreplace(scope.numbers)
-            phases = theorem7.window_phases(place, gamma, amplitude, False)
+            phases = theorem7.window_phases(place, gamma, amplitude, full=False)
             check = grazing.window(place.side, gamma, amplitude)
             yield step(
                 grazing.THETA_M,

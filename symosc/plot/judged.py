@@ -441,7 +441,7 @@ def _pictures(check: CrossCheck) -> Iterator[Record]:
             "the exact motion "
             "from that sample on; it should end at the cross. Grey lines are its events."
         )
-        yield _picture(step_figure(check), False, "First wrong step", caption)
+        yield _picture(step_figure(check), pixels=False, title="First wrong step", caption=caption)
     for letter, title, caption in CAPTIONS:
         yield _picture(crosscheck_figure(check, letter), as_pixels, title, caption)
 

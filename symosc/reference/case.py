@@ -266,13 +266,15 @@ class ReferenceCase:
         for n, row in enumerate(rows):
             for j, name in enumerate(proven_names):
                 dt_by_name, dx_by_name = stated[n]
-                row[name] = KnownChange(dt_by_name[j], dx_by_name[j], True)
+                row[name] = KnownChange(dt_by_name[j], dx_by_name[j], proven=True)
         if len(proven_names) < len(NAMES):
             s = sensitivities(self.scene, NAMES, digits=COMPUTED_DIGITS)
             for n, row in enumerate(rows):
                 for j, name in enumerate(NAMES):
                     if name not in row and s.regular[n, j]:
-                        row[name] = KnownChange(_enclosed(s.dt[n, j]), _enclosed(s.dx[n, j]), False)
+                        row[name] = KnownChange(
+                            _enclosed(s.dt[n, j]), _enclosed(s.dx[n, j]), proven=False
+                        )
         return tuple({name: row[name] for name in NAMES if name in row} for row in rows)
 
     @property

@@ -168,7 +168,7 @@ def hard_cases() -> tuple[ReferenceCase, ...]:
     Those that are `quick` are in `symosc bench --quick`.
     """
     cases = [
-        _hard("easy", name, replace(load_scene(name), t_end=Fraction(10)), True)
+        _hard("easy", name, replace(load_scene(name), t_end=Fraction(10)), quick=True)
         for name in ("fig9", "fig10")
     ]
     cases += [*_peak_cases(), *_short_contact_cases(), *_changed_scenes()]
@@ -249,7 +249,7 @@ def _peak_cases() -> Iterator[ReferenceCase]:
             for exponent in exponents:
                 start = start_before_a_peak(p, mapping, Fraction(sign, 10**exponent), t_m, t0)
                 name = f"by 1e-{exponent} ({mapping}, {base})"
-                yield _hard(group, name, _scene(p, start, t_end), exponent in quick)
+                yield _hard(group, name, _scene(p, start, t_end), quick=exponent in quick)
 
 
 def start_with_force(
@@ -301,20 +301,20 @@ def _short_contact_cases() -> Iterator[ReferenceCase]:
         start = start_with_force(weak, 1, 1, t0, "1e-8")
         rows.append((f"forces 2e-8 apart, ends {side}", weak, start, side == "above"))
     for name, parameters, begin, quick in rows:
-        yield _hard("short stick or flight", name, _scene(parameters, begin, "12"), quick)
+        yield _hard("short stick or flight", name, _scene(parameters, begin, "12"), quick=quick)
     yield _hard(
-        "short stick or flight", "fig7-corrected as printed", load_scene("fig7-corrected"), True
+        "short stick or flight",
+        "fig7-corrected as printed",
+        load_scene("fig7-corrected"),
+        quick=True,
     )
 
 
 def _changed_scenes() -> Iterator[ReferenceCase]:
-    """Yield the paper's scenes with one number so changed that solvers are in trouble.
-
-    The last argument of each case says whether it is in the quick selection.
-    """
+    """Yield the paper's scenes with one number so changed that solvers are in trouble."""
     for periods, end in ((2, 9), (5, 18), (10, 34)):
         scene = replace(load_scene("fig8"), t_end=Fraction(end))
-        yield _hard("fig8's sticks", f"{periods} periods of the drive", scene, periods == 5)
+        yield _hard("fig8's sticks", f"{periods} periods of the drive", scene, quick=periods == 5)
     quarter = Fraction(1, 4)
     for small in ("1e-4", "1e-8", "1e-14"):
         for sign in ("+", "-"):
@@ -323,23 +323,31 @@ def _changed_scenes() -> Iterator[ReferenceCase]:
                 "near-critical damping",
                 f"k = c^2/4m (1 {sign} {small})",
                 scene,
-                (sign, small) == ("+", "1e-14"),
+                quick=(sign, small) == ("+", "1e-14"),
             )
-    yield _hard("near-critical damping", "k = c^2/4m", _scene("fig5", FIG5, "25", k=quarter), True)
+    yield _hard(
+        "near-critical damping", "k = c^2/4m", _scene("fig5", FIG5, "25", k=quarter), quick=True
+    )
     for c in ("1e-2", "1e-7", "1e-12", "0"):
         scene = _scene("fig9", FIG9, "7.5", c=c, k="1.6", FN=20)
-        yield _hard("resonance", f"c = {c}", scene, c in ("1e-12", "0"))
+        yield _hard("resonance", f"c = {c}", scene, quick=c in ("1e-12", "0"))
     for k in ("1e-3", "1e-9", "1e-15", "0"):
         yield _hard(
-            "weak spring", f"k = {k}", _scene("fig10", FIG10, "12.2", k=k), k in ("1e-15", "0")
+            "weak spring",
+            f"k = {k}",
+            _scene("fig10", FIG10, "12.2", k=k),
+            quick=k in ("1e-15", "0"),
         )
     for m in ("1e-2", "1e-5", "1e-8"):
-        yield _hard("light mass", f"m = {m}", _scene("fig10", FIG10, "9.5", m=m), m == "1e-5")
+        yield _hard("light mass", f"m = {m}", _scene("fig10", FIG10, "9.5", m=m), quick=m == "1e-5")
     yield _hard("light mass", "m = 1e-5, c = 0", _scene("fig10", FIG10, "1.47", m="1e-5", c=0))
     scene = _scene("fig9", ("0", "0", "0"), "0.04", Omega=1000, B0=3000)
-    yield _hard("fast and slow drive", "Omega = 1e3", scene, True)
+    yield _hard("fast and slow drive", "Omega = 1e3", scene, quick=True)
     yield _hard(
-        "fast and slow drive", "Omega = 1e-3", _scene("fig6", FIG6, "6000", Omega="1e-3"), True
+        "fast and slow drive",
+        "Omega = 1e-3",
+        _scene("fig6", FIG6, "6000", Omega="1e-3"),
+        quick=True,
     )
     for t0, text in ((10**8, "1e8"), (10**10, "1e10")):
         for base, (_, x0, v0), span in (("fig9", FIG9, 10), ("fig10", FIG10, 15)):
@@ -347,7 +355,7 @@ def _changed_scenes() -> Iterator[ReferenceCase]:
                 "late start",
                 f"t0 = {text} ({base})",
                 _scene(base, (t0, x0, v0), t0 + span),
-                text == "1e10",
+                quick=text == "1e10",
             )
     belts = {
         "mu1 = 0": _scene("fig5", FIG5, "25", mu1=0),
@@ -359,13 +367,13 @@ def _changed_scenes() -> Iterator[ReferenceCase]:
         "x0 = 1e8": _scene("fig9", ("0", "1e8", "0"), "5"),
     }
     for name, scene in belts.items():
-        yield _hard("belts", name, scene, name in ("mu1 = 0", "v2 - v1 = 1e-6"))
+        yield _hard("belts", name, scene, quick=name in ("mu1 = 0", "v2 - v1 = 1e-6"))
     for name in ("fig9-orbit", "fig10-orbit"):
         scene = load_scene(name)
         # a twentieth of a period after the last event, where nothing happens
         turns = Fraction(2 * LATE_PERIODS + Fraction(1, 10)) * Fraction(str(mp_context(30).pi))
         scene = replace(scene, t_end=scene.t0 + turns / scene.parameters.Omega)
-        yield _hard("1e5 periods", name, scene, name == "fig10-orbit", LATE_PERIODS)
+        yield _hard("1e5 periods", name, scene, quick=name == "fig10-orbit", periods=LATE_PERIODS)
 
 
 # -- exact grazes ----------------------------------------------------------------------------------

@@ -383,7 +383,7 @@ def sweep_status(
     target = output.output_path(path)
     store = Store(target)
     total = len(plan)
-    written = _is_finished(plan, target, True)
+    written = _is_finished(plan, target, resume=True)
     if not written and store.key() not in (None, plan.key):
         raise store.foreign_error()
     if written:

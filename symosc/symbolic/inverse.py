@@ -559,7 +559,7 @@ def values_empty(p: ParametersLike | None, mapping: str, name: str | Sequence[st
         p = parameters_of(p)
     require(TEXT, mapping=mapping)
     require(*NAMES, name=name)
-    return _answer(p, GrazingQuestion(mapping, _read_names(mapping, name, p), "empty"), True)
+    return _answer(p, GrazingQuestion(mapping, _read_names(mapping, name, p), "empty"), full=True)
 
 
 @public
@@ -775,7 +775,7 @@ def _solve_for_all_phases(
                     if B0_sign:  # Omega > 0, and so is the end if the level is
                         end = level / (B0_sign * B0)
                         if level_sign:
-                            allowed = sp.Interval(0, end, True, not closed)
+                            allowed = sp.Interval(0, end, left_open=True, right_open=not closed)
                         else:
                             allowed = sp.S.EmptySet
                     yield Answer(levelled & signed, allowed)
@@ -807,8 +807,8 @@ def _half_line(end: Expr, direction: int, closed: bool) -> Expr:
     `closed`.
     """
     if direction > 0:
-        return sp.Interval(end, sp.oo, not closed, True)
-    return sp.Interval(-sp.oo, end, True, not closed)
+        return sp.Interval(end, sp.oo, left_open=not closed, right_open=True)
+    return sp.Interval(-sp.oo, end, left_open=True, right_open=not closed)
 
 
 def _signs(expr: Expr) -> Iterator[tuple[int, Expr]]:

@@ -227,11 +227,36 @@ class BranchExample(NamedTuple):
 
 FIG9 = load_scene("fig9").parameters
 FIG10 = load_scene("fig10").parameters
+_grazing, _crossing, _switching, _adding = NAMES
 EXAMPLES = (
-    BranchExample("Fig.~9", FIG9, "P32", "Omega", ("3", "6"), 1, 2, NAMES[0], True),
-    BranchExample("Fig.~9", FIG9, "P32", "Omega", ("3", "6"), 0, 1, NAMES[1], True),
-    BranchExample("at a wall", _WALL, "P1312", "mu1", ("0.1", "0.4"), 0, 1, NAMES[2], True),
-    BranchExample("Fig.~10", FIG10, "P4645", "Omega", ("0.6", "1.75"), 0, 2, NAMES[3], False),
+    BranchExample(
+        "Fig.~9", FIG9, "P32", "Omega", ("3", "6"), end=1, belt=2, border=_grazing, negative=True
+    ),
+    BranchExample(
+        "Fig.~9", FIG9, "P32", "Omega", ("3", "6"), end=0, belt=1, border=_crossing, negative=True
+    ),
+    BranchExample(
+        "at a wall",
+        _WALL,
+        "P1312",
+        "mu1",
+        ("0.1", "0.4"),
+        end=0,
+        belt=1,
+        border=_switching,
+        negative=True,
+    ),
+    BranchExample(
+        "Fig.~10",
+        FIG10,
+        "P4645",
+        "Omega",
+        ("0.6", "1.75"),
+        end=0,
+        belt=2,
+        border=_adding,
+        negative=False,
+    ),
 )
 
 

@@ -432,7 +432,7 @@ def _numbers(scope: Scope, mapping: str) -> Items:
     gamma, amplitude = (
         e.subs(scope.numbers) for e in (k * BELTS[place.boundary] / m, B0 * Omega / m)
     )
-    phases = theorem7.window_phases(place, gamma, amplitude, False)
+    phases = theorem7.window_phases(place, gamma, amplitude, full=False)
     return (
         rf"\subsection{{The window of $P_{mapping[1]}$ with the numbers of the scene}}",
         "The numbers to compare are",

@@ -816,7 +816,7 @@ def _peak(scene: Scene, mapping: str, change: dict[str, float]) -> FlowPeak:
     try:
         over = beyond(times)
     except ZeroDivisionError:  # resonance without a damper
-        return FlowPeak(np.nan, np.nan, False)
+        return FlowPeak(np.nan, np.nan, may_graze=False)
     i = int(np.argmax(over))
     step = times[1] - times[0]
     around = times[i] - step, times[i] + step

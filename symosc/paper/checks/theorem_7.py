@@ -55,9 +55,9 @@ def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, 
         d = ZERO
     if MAPS[mapping].side > 0:
         cases = [
-            (0 < g < a, [Arc(ZERO, HALF + d, True), Arc(FULL_CIRCLE - d, FULL_CIRCLE)]),
-            (0 < g == a, [Arc(ZERO, 3 * QUARTER, True), Arc(3 * QUARTER, FULL_CIRCLE)]),
-            (0 < a < g, [Arc(ZERO, FULL_CIRCLE, True)]),
+            (0 < g < a, [Arc(ZERO, HALF + d, closed=True), Arc(FULL_CIRCLE - d, FULL_CIRCLE)]),
+            (0 < g == a, [Arc(ZERO, 3 * QUARTER, closed=True), Arc(3 * QUARTER, FULL_CIRCLE)]),
+            (0 < a < g, [Arc(ZERO, FULL_CIRCLE, closed=True)]),
             (g == 0, [Arc(ZERO, HALF)]),
             (g < 0 and a > abs(g), [Arc(d, HALF - d)]),
             (g < 0 and a < abs(g), []),
@@ -67,9 +67,9 @@ def printed_window(mapping: str, gamma: Any, amplitude: Any) -> list[tuple[int, 
             (0 < g < a, [Arc(HALF + d, FULL_CIRCLE - d)]),
             (0 < a <= g, []),
             (g == 0, [Arc(HALF, FULL_CIRCLE)]),
-            (g < 0 and a > abs(g), [Arc(ZERO, d, True), Arc(HALF - d, FULL_CIRCLE)]),
-            (g < 0 and a == abs(g), [Arc(ZERO, QUARTER, True), Arc(QUARTER, FULL_CIRCLE)]),
-            (g < 0 and a < abs(g), [Arc(ZERO, FULL_CIRCLE, True)]),
+            (g < 0 and a > abs(g), [Arc(ZERO, d, closed=True), Arc(HALF - d, FULL_CIRCLE)]),
+            (g < 0 and a == abs(g), [Arc(ZERO, QUARTER, closed=True), Arc(QUARTER, FULL_CIRCLE)]),
+            (g < 0 and a < abs(g), [Arc(ZERO, FULL_CIRCLE, closed=True)]),
         ]
     return [(number, arcs) for number, (holds, arcs) in enumerate(cases, 1) if holds]
 
