@@ -483,20 +483,7 @@ def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int)
     if isinstance(item, Prose):
         return _paragraph(f"{html(item.text)}{mark}")
     if isinstance(item, Markup):
-        if item.title:
-            title = f" ({html(item.title)})"
-        else:
-            title = ""
-        if item.command == "subsection":
-            return f"<h{level}>{html(item.name)}</h{level}>"
-        if item.command == "end":
-            return "</div>"
-        if item.name == "proof":
-            return f'<div class="proof"><em>Proof{title}.</em>'
-        return (
-            f'<div class="statement" id="thm-{number}"><strong>{item.name.title()} '
-            f"{number}{title}.</strong>"
-        )
+        return _html_markup(item, number, html, level)
     if isinstance(item, Table):
         caption = (
             f'<p id="tab-{number}"><strong>Table {number}.</strong> {html(item.caption)}{mark}</p>'
@@ -507,6 +494,24 @@ def _html_piece(part: Part | list[Part], scope: Scope, html: ToHtml, level: int)
     image = f'<img src="data:image/svg+xml;base64,{source}" alt="Figure {number}">'
     caption = f"<figcaption><strong>Figure {number}.</strong> {html(item.caption)}</figcaption>"
     return f'<figure id="fig-{number}"><div class="wide">{image}</div>{caption}</figure>'
+
+
+def _html_markup(item: Markup, number: str, html: ToHtml, level: int) -> str:
+    """Return a heading, or where a theorem or proof begins or ends, as HTML."""
+    if item.title:
+        title = f" ({html(item.title)})"
+    else:
+        title = ""
+    if item.command == "subsection":
+        return f"<h{level}>{html(item.name)}</h{level}>"
+    if item.command == "end":
+        return "</div>"
+    if item.name == "proof":
+        return f'<div class="proof"><em>Proof{title}.</em>'
+    return (
+        f'<div class="statement" id="thm-{number}"><strong>{item.name.title()} '
+        f"{number}{title}.</strong>"
+    )
 
 
 def _converter(numbers: dict[str, str]) -> ToHtml:

@@ -639,19 +639,7 @@ def _indented(lines: Iterator[str] | list[str]) -> list[str]:
 
 def _python(program: _Program) -> str:
     """Return the Python source of a program, for numbers or for arrays."""
-    used = set().union(*map(_names, program.functions.values())) | {"sqrt"}
-    if program.arrays:
-        library = "numpy"
-    else:
-        library = "math"
-    imports = "from collections import namedtuple\n\n" + "import numpy as np\n" * program.arrays
-    imports += f"from {library} import {', '.join(name for name in MATH if name in used)}"
-    numbers = "\n".join(f"{name} = {value!r}" for name, value in program.numbers.items())
-    head = [
-        f'"""{program.about("", "Run this file for an example.")}\n"""',
-        imports,
-        *[numbers] * bool(numbers),
-    ]
+    head = _python_head(program)
     z, p = program.example()
     steps = _indented(
         [*map(ast.unparse, program.setup), f"return Constants({', '.join(program.fields)})"]
@@ -662,37 +650,9 @@ def _python(program: _Program) -> str:
         + "\n".join(['    """Return what the functions below need."""', *steps]),
     ]
     K = f"    K = constants({', '.join(f'{name}={value!r}' for name, value in p.items())})\n"
-    calls = program.calls()
-    count = len(program.maps)
-    # Of residual and Jacobian: their shapes, notes on them, and the bodies of the functions.
-    shapes = f"({2 * count})", f"({count}, 2, 4)"
-    rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
-    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
-    if program.arrays:
-        shape_notes = [f": shape {shape} and that of the numbers in z" for shape in shapes]
-        frame = (
-            "    z, shape = flat(*z)\n    rows = [\n{}\n    ]\n    return "
-            "np.array(rows).reshape(({}, *shape))"
-        )
-        bodies = [
-            frame.format(body, shape[1:-1])
-            for body, shape in zip((rows, blocks), shapes, strict=True)
-        ]
-    else:
-        shape_notes = ["", ""]
-        last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
-        bodies = [f"    return [\n{rows}\n    ]", f"    blocks = [\n{blocks}\n    ]\n{last}"]
-    residual_body, jacobian_body = bodies
-    residual_note, jacobian_note = shape_notes
-    residual_doc = f"Return f1, f2 of each map, in order of time{residual_note}."
-    size = "" if program.arrays else "2 x 4 "
-    jacobian_doc = (
-        f"Return the {size}derivatives of f1, f2 of each map, in order of time{jacobian_note}."
-    )
     parts += [
         *map(ast.unparse, program.functions.values()),
-        f'def residual(z, K):\n    """{residual_doc}"""\n{residual_body}',
-        f'def jacobian(z, K):\n    """{jacobian_doc}"""\n{jacobian_body}',
+        *_python_equations(program),
         f"""\
 if __name__ == "__main__":
     z = {z}
@@ -702,6 +662,58 @@ if __name__ == "__main__":
 """,
     ]
     return "\n\n".join(head) + "\n\n\n" + "\n\n\n".join(parts)
+
+
+def _python_head(program: _Program) -> list[str]:
+    """Return the parts of the source before its functions: docstring, imports and numbers."""
+    used = set().union(*map(_names, program.functions.values())) | {"sqrt"}
+    if program.arrays:
+        library = "numpy"
+    else:
+        library = "math"
+    imports = "from collections import namedtuple\n\n" + "import numpy as np\n" * program.arrays
+    imports += f"from {library} import {', '.join(name for name in MATH if name in used)}"
+    head = [f'"""{program.about("", "Run this file for an example.")}\n"""', imports]
+    if program.numbers:
+        head.append("\n".join(f"{name} = {value!r}" for name, value in program.numbers.items()))
+    return head
+
+
+def _python_equations(program: _Program) -> tuple[str, str]:
+    """Return the source of the functions `residual` and `jacobian` of all maps."""
+    calls = program.calls()
+    count = len(program.maps)
+    rows = "\n".join(f"        *{label}({z})," for label, z, _ in calls)
+    blocks = "\n".join(f"        {label}{MATRIX}({z})," for label, _, z in calls)
+    residual_doc = "Return f1, f2 of each map, in order of time"
+    if program.arrays:
+
+        def body(results: str, shape: str) -> str:
+            return (
+                f"    z, shape = flat(*z)\n    rows = [\n{results}\n    ]\n    return "
+                f"np.array(rows).reshape(({shape}, *shape))"
+            )
+
+        residual_shape = f"{2 * count}"
+        jacobian_shape = f"{count}, 2, 4"
+        residual_doc += f": shape ({residual_shape}) and that of the numbers in z."
+        jacobian_doc = (
+            "Return the derivatives of f1, f2 of each map, in order of time: shape "
+            f"({jacobian_shape}) and that of the numbers in z."
+        )
+        residual_body = body(rows, residual_shape)
+        jacobian_body = body(blocks, jacobian_shape)
+    else:
+        residual_doc += "."
+        jacobian_doc = "Return the 2 x 4 derivatives of f1, f2 of each map, in order of time."
+        residual_body = f"    return [\n{rows}\n    ]"
+        # A map's function gives eight numbers in a row.
+        last = "    return [[list(block[:4]), list(block[4:])] for block in blocks]"
+        jacobian_body = f"    blocks = [\n{blocks}\n    ]\n{last}"
+    return (
+        f'def residual(z, K):\n    """{residual_doc}"""\n{residual_body}',
+        f'def jacobian(z, K):\n    """{jacobian_doc}"""\n{jacobian_body}',
+    )
 
 
 def _c(program: _Program, name: str) -> dict[str, str]:

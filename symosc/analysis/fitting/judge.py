@@ -150,19 +150,21 @@ def _with_sigma(
     are_rounded = _are_rounded(residuals, last_places)
     rounding_deviation = np.max(last_places) / np.sqrt(12.0)  # of errors uniform in one unit
     if are_rounded and rounding_deviation <= ROUNDED:
-        return FitVerdict(True, "", np.ones(count, dtype=bool), scales)
+        return FitVerdict(
+            is_described=True, text="", kept=np.ones(count, dtype=bool), scales=scales
+        )
     squares_kept = float(residuals[is_kept] @ residuals[is_kept])
     is_likely = squares_kept <= chi2.isf(LEVEL, max(int(is_kept.sum()) - free, 1))
     # A fit passes through as many data as it has numbers: those alone show nothing.
     are_enough = is_kept.sum() > min(free, count - 1)
     if is_likely and _are_few(is_kept) and are_enough:
-        return FitVerdict(True, "", is_kept, scales)
+        return FitVerdict(is_described=True, text="", kept=is_kept, scales=scales)
     chi_squared = float(residuals @ residuals)
     text = f"chi² is {chi_squared:.4g}, and {max(count - free, 1)} was to be expected"
     if are_rounded:
         names = ", ".join(f"{name} to {column.text}" for name, column in digits.items())
         text += f"; sigma is smaller than the errors of rounding ({names})"
-    return FitVerdict(False, text, is_kept, scales)
+    return FitVerdict(is_described=False, text=text, kept=is_kept, scales=scales)
 
 
 def _are_rounded(residuals: np.ndarray, last_places: np.ndarray) -> bool:
@@ -189,7 +191,7 @@ def _without_sigma(problem: FitProblem, at: Evaluation, last_places: np.ndarray)
     scales = _estimated_scales(problem, residuals, is_telling, last_places)
     relative_size = float(np.sqrt(np.mean((residuals / problem.sizes) ** 2)))
     if relative_size <= EXACT or _are_rounded(residuals, last_places):
-        return FitVerdict(True, "", all_rows, scales)
+        return FitVerdict(is_described=True, text="", kept=all_rows, scales=scales)
     if count <= free:
         text = "there are no more data than numbers, and yet it does not pass through them"
         return FitVerdict(relative_size <= np.sqrt(EXACT), text, all_rows, scales)
@@ -197,14 +199,14 @@ def _without_sigma(problem: FitProblem, at: Evaluation, last_places: np.ndarray)
     is_kept = np.abs(residuals) <= (limit + limit_for_few / (count - free)) * scales
     if not _are_few(is_kept):
         text = "the residuals of many data are far larger than those of half of them"
-        return FitVerdict(False, text, is_kept, scales)
+        return FitVerdict(is_described=False, text=text, kept=is_kept, scales=scales)
     lateness = 0.0  # of events, as a part of the time between them; samples are not judged by it
     if problem.measured.states is None:
         lateness = float(np.sqrt(np.mean(residuals[is_kept] ** 2))) / _time_between(at)
     if lateness > UNRECOGNISED:
         off_by = f"events are off by {lateness:.1%} of the time between events of a kind"
         text = f"{off_by}, and no sigma says so"
-        return FitVerdict(False, text, is_kept, scales)
+        return FitVerdict(is_described=False, text=text, kept=is_kept, scales=scales)
     text = _structure(problem, residuals, is_kept & is_telling)
     return FitVerdict(not text, text, is_kept, scales)
 
