@@ -342,7 +342,7 @@ def flights(points, speeds, A, K, f):
     `speeds`.
     """
     v_i, v_j = speeds
-    block = np.empty(6 * BLOCK)  # 4 rows of points, 2 of residuals
+    block = np.empty(6 * BLOCK)  # rows 0 to 3: the points; 4 and 5: the residuals
     for begin in range(0, len(points[0]), BLOCK):
         count = load(block, points, begin)
         for n in range(BLOCK):
@@ -394,7 +394,7 @@ def sticks(points, v, sides, K, f):
     """
     # `sides` has A_alpha/m of the domains that a stick may slip into; of f2 the smaller counts.
     below, above = sides
-    block = np.empty(6 * BLOCK)  # 4 rows of points, 2 of residuals
+    block = np.empty(6 * BLOCK)  # rows 0 to 3: the points; 4 and 5: the residuals
     for begin in range(0, len(points[0]), BLOCK):
         count = load(block, points, begin)
         for n in range(BLOCK):

@@ -129,13 +129,7 @@ def read_claims(
     """
     data = read_toml(path)
     claims = dict[str, Claim]()
-    unjudged = []
-    for statement, row in data.pop("unjudged", {}).items():
-        if not isinstance(row, list) or [type(text) for text in row] != [str, str]:
-            problem = f"{statement} = {row!r}: must be a place, and a reason"
-            raise RecordsError(f"{path.name}, [unjudged]", problem)
-        place, reason = row
-        unjudged.append(Unjudged(place, statement, reason))
+    unjudged = _read_unjudged(data.pop("unjudged", {}), f"{path.name}, [unjudged]")
     # What a claim may refer to: the kind of each target.
     kinds = dict.fromkeys(pictures, "figures") | dict.fromkeys(CHAPTERS, "derivation")
     kinds |= {erratum.id: "errata" for erratum in read_errata()}
@@ -183,7 +177,19 @@ def read_claims(
                 errata=errata,
                 **texts,
             )
-    return tuple(claims.values()), tuple(unjudged)
+    return tuple(claims.values()), unjudged
+
+
+def _read_unjudged(rows: dict[str, Any], location: str) -> tuple[Unjudged, ...]:
+    """Return the parts of the paper without a verdict, from rows of statement, place and reason."""
+    unjudged = []
+    for statement, row in rows.items():
+        if not isinstance(row, list) or [type(text) for text in row] != [str, str]:
+            problem = f"{statement} = {row!r}: must be a place, and a reason"
+            raise RecordsError(location, problem)
+        place, reason = row
+        unjudged.append(Unjudged(place, statement, reason))
+    return tuple(unjudged)
 
 
 def _check_texts(location: str, table: dict[str, Any]) -> None:

@@ -30,6 +30,9 @@ _load, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
+    """Load a function of this package when it is first asked for; ParameterError if it is matplotlib
+    that fails, for the name of an unknown backend.
+    """
     try:
         return _load(name)
     except ValueError as error:

@@ -109,10 +109,11 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
         else:
             dimensions = tuple(plan.sizes)
         variables[name] = (dimensions, values, about(*SUMMARY_COLUMNS[name]))
-    coordinates: dict[str, Any] = {
-        name: (coordinate.dimension, coordinate.values, about(*QUANTITIES[name][:2]))
-        for name, coordinate in plan.coordinates.items()
-    }
+    coordinates: dict[str, Any] = {}
+    for name, coordinate in plan.coordinates.items():
+        quantity = QUANTITIES[name]
+        attributes_of_axis = about(quantity.meaning, quantity.dimension)
+        coordinates[name] = (coordinate.dimension, coordinate.values, attributes_of_axis)
     if plan.sections:
         coordinates |= {"period": np.arange(-plan.sections, 0), "component": ["x", "v"]}
     attributes = {

@@ -149,6 +149,7 @@ class PaperPrinter(LatexPrinter):
         negative = expr.could_extract_minus_sign() and coefficient < 0
         if negative:
             expr = -expr
+        # A factor of DRAGS gives its minus sign to the whole product.
         for drag in DRAGS.intersection(sp.Mul.make_args(expr)):
             negative = not negative
             others = (factor for factor in sp.Mul.make_args(expr) if factor != drag)
@@ -224,8 +225,13 @@ class PaperPrinter(LatexPrinter):
             elif parts and re.match(r"[\d.]", text):
                 text = rf"\cdot {text}"
             parts.append(text)
-        long = any(part.startswith(("x_{", r"\dot")) and ")" in part for part in parts[:-1])
-        return (r" \, " if long else " ").join(parts) or "1"
+        # A factor such as x_{i}(t) needs more room before the next one.
+        has_function = any(part.startswith(("x_{", r"\dot")) and ")" in part for part in parts[:-1])
+        if has_function:
+            space = r" \, "
+        else:
+            space = " "
+        return space.join(parts) or "1"
 
     def _print_Pow(self, expr: Expr) -> str:
         """Print a power; a symbol with a superscript gets parentheses, a negative power is a

@@ -368,10 +368,12 @@ def _changes_by_crossing(small: Any) -> tuple[Any, Any]:
     """Return delta x and delta v of a stick at whose start U is `small`."""
     angle = phase(CROSSING)
     curve = bend(CROSSING)
+    # The position at which U is `small`; a stick from there ends when U is 0.
     start = (HERE.B0 * CONTEXT.cos(angle) - HERE.c * BELT - small) / HERE.k
     leaves = zero(lambda time: pull(HERE, BELT, start + BELT * time, angle + time), small / curve)
     place, velocity = flow(HERE, start, BELT, angle, leaves)
-    return start + BELT * leaves - place, BELT - velocity
+    place_of_stick = start + BELT * leaves
+    return place_of_stick - place, BELT - velocity
 
 
 def _changes_by_slip(n: int, small: Any) -> tuple[Any, Any]:

@@ -259,13 +259,17 @@ def stick_if_friction_holds() -> Evidence:
 
     questions = {
         "rational contacts with both belts": lambda contact: True,
-        "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": lambda c: (excess(c) <= 0) != is_held(c),
-        "|Fₛ| not μ FN, and the exact flow does otherwise": lambda c: (
-            excess(c) and (excess(c) < 0) != c.sticks
+        "|Fₛ| ≤ μ FN not the same as F⁽ˡᵒ⁾ ≥ 0 ≥ F⁽ʰⁱ⁾": lambda contact: (
+            (excess(contact) <= 0) != is_held(contact)
         ),
-        "|Fₛ| = μ FN": lambda c: excess(c) == 0,
-        "of them the mass stays on the belt": lambda c: excess(c) == 0 and c.sticks,
-        "of them it leaves at once": lambda c: excess(c) == 0 and not c.sticks,
+        "|Fₛ| not μ FN, and the exact flow does otherwise": lambda contact: (
+            excess(contact) and (excess(contact) < 0) != contact.sticks
+        ),
+        "|Fₛ| = μ FN": lambda contact: excess(contact) == 0,
+        "of them the mass stays on the belt": lambda contact: (
+            excess(contact) == 0 and contact.sticks
+        ),
+        "of them it leaves at once": lambda contact: excess(contact) == 0 and not contact.sticks,
     }
     numbers = tally(_both_boundaries(10), questions)
     total, differs, wrong, equal, _, leaves = numbers.values()

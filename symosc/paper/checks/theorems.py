@@ -260,8 +260,10 @@ def derivative_along_the_flow() -> Evidence:
     questions = {
         "exact contacts": lambda contact: True,
         "the two sides of (47) differ": gap,
-        "their difference is not −(c/m) F⁽¹⁾": lambda c: gap(c) != -c.p.c / c.p.m * c.force(1),
-        "they differ where F⁽¹⁾ = 0": lambda c: gap(c) != 0 == c.force(1),
+        "their difference is not −(c/m) F⁽¹⁾": lambda contact: (
+            gap(contact) != -contact.p.c / contact.p.m * contact.force(1)
+        ),
+        "they differ where F⁽¹⁾ = 0": lambda contact: gap(contact) != 0 == contact.force(1),
     }
     numbers = tally(contacts(1), questions)
     _, apart, damping, at_zero = numbers.values()
@@ -325,14 +327,26 @@ class Statement(NamedTuple):
 
 LEMMAS: dict[int, Statement] = {
     1: Statement(
-        "slides, (20)", lambda c: c.sticks and _both_come(c), "slides", "where a G⁽⁰⁾ is 0"
+        "slides, (20)",
+        lambda contact: contact.sticks and _both_come(contact),
+        "slides",
+        "where a G⁽⁰⁾ is 0",
     ),
-    2: Statement("passes, (21), (22)", lambda c: c.passes, "passes", "where a G⁽⁰⁾ is 0"),
+    2: Statement(
+        "passes, (21), (22)", lambda contact: contact.passes, "passes", "where a G⁽⁰⁾ is 0"
+    ),
     3: Statement("grazes", _grazes, "touches and returns", "where G⁽⁰⁾ = G⁽¹⁾ = 0"),
 }
 THEOREMS: dict[int, Statement] = {
-    4: Statement("sticks, (26), (27)", lambda c: c.sticks, "sticking", "a force that is exactly 0"),
-    5: Statement("passes, (34), (35)", lambda c: c.passes, "passing", "a force that is exactly 0"),
+    4: Statement(
+        "sticks, (26), (27)",
+        lambda contact: contact.sticks,
+        "sticking",
+        "a force that is exactly 0",
+    ),
+    5: Statement(
+        "passes, (34), (35)", lambda contact: contact.passes, "passing", "a force that is exactly 0"
+    ),
     6: Statement("grazes", _grazes, "grazing", "F = 0 and G⁽¹⁾ = 0 together"),
 }
 
@@ -449,17 +463,23 @@ def theorem_6_both_sides() -> Evidence:
     """
     questions = {
         "contacts that graze, with G⁽¹⁾ not 0": _grazes,
-        "of them with (44) and (45) on both sides": lambda c: all(_grazes_as_printed(c)),
-        "of them with (44) and (45) on one side": lambda c: (
-            _grazes(c) and any(_grazes_as_printed(c))
+        "of them with (44) and (45) on both sides": lambda contact: all(
+            _grazes_as_printed(contact)
+        ),
+        "of them with (44) and (45) on one side": lambda contact: (
+            _grazes(contact) and any(_grazes_as_printed(contact))
         ),
     }
-    cases = [c for c in all_contacts() if all(c.slope(alpha) for alpha in c.domains)]
+    # Those with G^(1) not 0 on both sides.
+    cases = [
+        contact
+        for contact in all_contacts()
+        if all(contact.slope(alpha) for alpha in contact.domains)
+    ]
     numbers = tally(cases, questions)
     grazing, _, on_one_side = numbers.values()
-    numbers["least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts"] = min(
-        below - above for below, above in (c.forces for c in cases)
-    )
+    differences = [below - above for below, above in (contact.forces for contact in cases)]
+    numbers["least F⁽ˡᵒ⁾ − F⁽ʰⁱ⁾ over all contacts"] = min(differences)
     finding = (
         f"Read for α = 1 or α = 2, as in Theorem 6, (44) and (45) hold at {on_one_side} of "
         f"{grazing} grazing contacts; with friction both forces cannot vanish together."
