@@ -448,7 +448,7 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
 # -- one cycle of it
 
 
-class Part(NamedTuple):
+class MotionPart(NamedTuple):
     """A part of a segment: its ends, Gauss's points and weights of an integral over it, and
     position `z` and velocity `u` of the motion at these points.
     """
@@ -489,7 +489,7 @@ def _gauss() -> GaussRule:
     return GaussRule(points, weights, coefficients)
 
 
-def parts(motion: Trajectory) -> Iterator[Part]:
+def parts(motion: Trajectory) -> Iterator[MotionPart]:
     """Yield the parts of a motion on which a polynomial through its values at Gauss's points is
     accurate.
     """
@@ -521,7 +521,7 @@ def parts(motion: Trajectory) -> Iterator[Part]:
                 middle = (a + b) / 2
                 todo += [(a, middle, halved + 1, tail), (middle, b, halved + 1, tail)]
             else:
-                yield Part(segment, (a, b), t, weights * (b - a) / 2, z, u)
+                yield MotionPart(segment, (a, b), t, weights * (b - a) / 2, z, u)
 
 
 def turning_points(values: np.ndarray) -> np.ndarray:
@@ -566,7 +566,7 @@ class _Cycle:
         self.heat = 0.0  # energy that friction takes
         self.stuck = 0.0  # time on a belt
 
-    def add(self, part: Part) -> None:
+    def add(self, part: MotionPart) -> None:
         """Add a part of the motion."""
         segment, (begin, end), t, weights, z, u = part
         model = self.model

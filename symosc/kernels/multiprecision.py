@@ -140,7 +140,7 @@ def _complex(digits: int, real: object, imag: object) -> Number:
     return mp_context(digits).make_mpc((from_pickable(real), from_pickable(imag)))
 
 
-class ClosedForm(NamedTuple):
+class FreeMotion(NamedTuple):
     """The constants that `basis_apart` takes last, in its order."""
 
     h: Mpf
@@ -193,7 +193,7 @@ class BasisMP:
         # For the closed form, if the roots are complex and no nodes are the same.
         h, w0sq, Om = (_number(q, self.for_differences) for q in (self.h, self.w0sq, self.Om))
         self.has_closed_form = self.w0sq > self.h * self.h and None not in self.inverses
-        self.closed = ClosedForm(h, l1.imag, w0sq, Om, p=w0sq - Om * Om, q=2 * h * Om)
+        self.closed = FreeMotion(h, l1.imag, w0sq, Om, p=w0sq - Om * Om, q=2 * h * Om)
         self.for_differences.leave(before)
 
     def _roots(self, context: Context) -> tuple[Mpf, Mpf, Mpf]:
