@@ -67,11 +67,17 @@ from symosc.words import Word
 BOX_BITS = 64
 MOST_NEWTON = 12
 CONVERGED = 1e-13
+#: A change of an unknown from which Newton's method does not come back.
+MOST_CHANGE = 1e3
 MOST_INFLATIONS = 5
+#: A tube around the surface that is wider will not become narrow again.
+MOST_TUBE = 10
 INFLATION = 1.1
 #: The longest part of a flight between two cuts, as a part of half a period of the free motion.
 SHORTER = 0.95
 MOST_CUTS = 12
+#: The time of a cut is rounded to a multiple of 1/SHARES of the duration of its flight.
+SHARES = 1024
 #: The directions in a box in which series are computed.
 DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
 
@@ -79,17 +85,41 @@ DIRECTIONS = ((1, 0), (0, 1), (1, 1), (1, -1))
 NEAR = 3.0
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
-#: A cut: a share of a flight after which the gap is > 0, and for how long before and after the free
-#: motion's is too.
-Cut = tuple[float, float]
-#: A quantity that must be positive: what it is, its value, and its derivatives with respect to the
-#: unknowns.
-Inequality = tuple[str, Ball, Values]
+
+
+class Cut(NamedTuple):
+    """A point of a flight at which the proof looks at the gap g, after a `share` of its duration.
+
+    Where L g <= 0 the gap itself must be > 0 there (`reach` is 0). Where L g >= 0 the free motion
+    y with the value and slope of g must be > 0 for a time `reach` before and after it: g is not
+    below y as long as Polya's theorem holds, that is over less than half a free period.
+    """
+
+    share: float
+    reach: float
+
+
+class Section(NamedTuple):
+    """A part of a flight back to its belt between two turns: the sign of L g (of its gap g) there,
+    and the times after the start of the flight at which it begins and ends.
+    """
+
+    sign: int
+    begin: Ball
+    end: Ball
+
+
+class Inequality(NamedTuple):
+    """A quantity that must be positive, and its derivatives with respect to the unknowns."""
+
+    text: str
+    value: Ball
+    slopes: Values
 
 
 class FlightChecks(NamedTuple):
-    """Where margins of a word are looked at: the turns in the stick after each flight, and the cuts
-    of each flight (None: short steps).
+    """Where the margins of a word are evaluated: at the turns in the stick after each flight, and at
+    the cuts of each flight (None: short steps instead).
     """
 
     turns: list[list[int]]
@@ -322,6 +352,8 @@ class BoxEquations:
         """Return a dict of derivatives by a flight's unknowns: of x0, and of x, v, a after a
         `share` of its time.
         """
+        # A later start changes the drive, and what the flight starts with: x0 after a stick (there
+        # the force is 0), else the acceleration a0.
         tau = u[leg.tau] * share
         d = BoxFlight(o, leg, u, tau)
         s0 = u[leg.at].sin()
@@ -352,30 +384,30 @@ class BoxEquations:
         rows = list[Values]()
         for i, (leg, by) in enumerate(zip(self.legs, slopes, strict=True)):
             follows = (i + 1) % len(self.legs)
-            then = self.legs[follows].at  # the index of the next flight's phase
+            next_phase = self.legs[follows].at  # its index in the unknowns
             if follows == 0 and self.mirrored:
                 sign = -1  # x of a mirror image
             else:
                 sign = 1
-            # Rows of the residuals: v meets the belt, x joins on, and (without stick) the phase.
-            meets, joins, meeting = ([arb(0)] * self.count for _ in range(3))
-            meets[leg.at : leg.tau + 1] = by["v"]
-            joins[leg.at : leg.tau + 1] = by["x"]
-            for j, entry in enumerate(slopes[follows]["x0"], then):
-                joins[j] -= sign * entry
-            rows += [meets, joins]
+            # Rows of the residuals: v meets the belt, x and (without stick) the phase join on.
+            v_row, x_row, phase_row = ([arb(0)] * self.count for _ in range(3))
+            v_row[leg.at : leg.tau + 1] = by["v"]
+            x_row[leg.at : leg.tau + 1] = by["x"]
+            for j, entry in enumerate(slopes[follows]["x0"], next_phase):
+                x_row[j] -= sign * entry
+            rows += [v_row, x_row]
             if leg.stick:
                 speed = o.speed[leg.piece.end]
                 for j, entry in (
-                    (then, speed / o.Omega),
+                    (next_phase, speed / o.Omega),
                     (leg.at, -speed / o.Omega),
                     (leg.tau, -speed),
                 ):
-                    joins[j] += entry
+                    x_row[j] += entry
             else:
-                for j, entry in ((leg.at, 1), (leg.tau, o.Omega), (then, -1)):
-                    meeting[j] += entry
-                rows.append(meeting)
+                for j, entry in ((leg.at, 1), (leg.tau, o.Omega), (next_phase, -1)):
+                    phase_row[j] += entry
+                rows.append(phase_row)
         return slopes, rows
 
     # -- the inequalities --------------------------------------------------------------------------
@@ -410,16 +442,13 @@ class BoxEquations:
         """
         return o.k * o.speed[belt] + o.B0 * o.Omega * phase.sin()
 
-    def sections(
-        self, o: OscillatorInBalls, leg: Leg, u: Values
-    ) -> list[tuple[int, Ball, Ball]] | None:
-        """Cut a flight with gap g at the turns.
-
-        Return a list of (sign of m g'' + c g' + k g, begin, end), or None.
+    def sections(self, o: OscillatorInBalls, leg: Leg, u: Values) -> list[Section] | None:
+        """Return the parts of a flight back to its belt between the turns of the drift, or None if
+        the order of the turns or a sign is undecided.
         """
         phase = u[leg.at]
         belt = leg.piece.start
-        sections = []
+        sections = list[Section]()
         end = phase + o.Omega * u[leg.tau]
         turns = [self.turn(o, belt, index) for index in self.turns_between(o, belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
@@ -432,7 +461,8 @@ class BoxEquations:
             value = self.drift(o, belt, ((first_phase + last_phase) / 2).mid())
             if not abs(value) > 0:
                 return None
-            sections.append((-leg.side if value > 0 else leg.side, low, high))
+            sign = -leg.side if value > 0 else leg.side
+            sections.append(Section(sign, low, high))
         return sections
 
     def plan(self, o: OscillatorInBalls, u: Values) -> FlightChecks:
@@ -453,35 +483,37 @@ class BoxEquations:
         return FlightChecks(turns, cuts)
 
     def cuts(self, o: OscillatorInBalls, leg: Leg, u: Values) -> list[Cut] | None:
-        """Return the points (`Cut`) of a flight at which to show that its gap is > 0; None if it
-        needs short steps.
+        """Return the points of a flight back to its belt at which to show that its gap is > 0, so
+        that `stays` can conclude it for the whole flight; None if the flight needs short steps.
         """
         sections = self.sections(o, leg, u)
         longest = longest_part(o)
         if sections is None:
             return None
         tau = float(u[leg.tau])
-        cuts = list[Cut]()
-        spare = 2 * max(float(high.rad()) for _, _, high in sections) + tau / 1000
-        for i, (sign, *ends) in enumerate(sections):
-            low, high = map(float, ends)
+        # Reaches must overlap although shares are rounded below and sections end at balls of times.
+        spare = 2 * max(float(section.end.rad()) for section in sections) + tau / 1000
+        times_and_reaches = list[tuple[float, float]]()
+        for i, section in enumerate(sections):
+            low = float(section.begin)
+            high = float(section.end)
             if high - low > MOST_CUTS * longest:  # a stiff spring
                 return None
-            if sign < 0:
-                # It suffices that g > 0 at both ends of parts that are short enough.
-                count = int((high - low) / (SHORTER * longest))
-                cuts += [(low + j * (high - low) / (count + 1), 0.0) for j in range(1, count + 1)]
+            if section.sign < 0:
+                times_and_reaches += [(time, 0.0) for time in _dividing(low, high, longest)]
                 continue
-            # Beside the start and the end of the flight g = 0 there already shows that g > 0.
-            low += SHORTER * longest * (i == 0)
-            high -= SHORTER * longest * (i + 1 == len(sections))
+            # Near the start and the end of the flight g = 0 there already shows that g > 0.
+            if i == 0:
+                low += SHORTER * longest
+            if i + 1 == len(sections):
+                high -= SHORTER * longest
             if low < high:
-                count = ceil(4 * (high - low) / longest)
-                half = (high - low) / count / 2
-                cuts += [(low + (2 * j + 1) * half, 1.05 * half + spare) for j in range(count)]
-        if len(cuts) > MOST_CUTS:
+                times_and_reaches += _reaching(low, high, longest, spare)
+        if len(times_and_reaches) > MOST_CUTS:
             return None
-        return [(round(time / tau * 1024) / 1024, reach) for time, reach in cuts]
+        return [
+            Cut(round(time / tau * SHARES) / SHARES, reach) for time, reach in times_and_reaches
+        ]
 
     def stays(self, o: OscillatorInBalls, leg: Leg, u: Values, cuts: list[Cut]) -> bool:
         """Return whether the gap of a flight back to its belt is > 0 all the time, if it is > 0 at
@@ -490,37 +522,38 @@ class BoxEquations:
         sections = self.sections(o, leg, u)
         longest = longest_part(o)
         tau = u[leg.tau]
-        left = list(cuts)
+        unused = list(cuts)
         if sections is None:
             return False
         for i, (sign, low, high) in enumerate(sections):
             inside = [
-                (tau * share, reach) for share, reach in left if float(tau) * share < float(high)
+                (tau * share, reach) for share, reach in unused if float(tau) * share < float(high)
             ]
-            left = left[len(inside) :]
+            unused = unused[len(inside) :]
             if sign < 0:
+                # L g <= 0: by Polya's theorem g > 0 between two points less than `longest` apart.
                 times = [low, *(time for time, _ in inside), high]
                 are_short = all(0 < later - time < longest for time, later in pairwise(times))
                 if any(reach for _, reach in inside) or not are_short:
                     return False
                 continue
-            # Up to `known` the gap is > 0: at first for the time in which its start with g = 0
-            # shows that, then to where each cut reaches.
-            known = low
+            # L g >= 0: up to `positive_until` the gap is > 0, at first for the time in which its
+            # start with g = 0 shows that, then to where each cut reaches.
+            positive_until = low
             if i == 0:
-                known = low + longest
+                positive_until = low + longest
             for time, reach in inside:
-                is_joined = low < time < high and time - reach < known
+                is_joined = low < time < high and time - reach < positive_until
                 if not (is_joined and 2 * reach < longest and reach > 0):
                     return False
-                known = time + reach
+                positive_until = time + reach
             # The end with g = 0 shows it for the time before.
             needed = high
             if i + 1 == len(sections):
                 needed = high - longest
-            if not known > needed:
+            if not positive_until > needed:
                 return False
-        return not left
+        return not unused
 
     def margins(
         self,
@@ -541,17 +574,17 @@ class BoxEquations:
         def add(text: str, value: Ball, *parts: tuple[int, Values]) -> None:
             """Add an inequality; its `parts` are derivatives by the unknowns from an index on."""
             row = [arb(0)] * self.count
-            for at, entries in parts if slopes else ():
-                for j, entry in enumerate(entries, at):
+            for first, entries in parts if slopes else ():
+                for j, entry in enumerate(entries, first):
                     row[j] += entry
-            inequalities.append((text, value, row))
+            inequalities.append(Inequality(text, value, row))
 
         for i, (leg, flight) in enumerate(zip(self.legs, flown, strict=True)):
             belt = leg.piece.end
             stick = leg.stick
             piece = leg.piece
             (phase, _) = self.next_start(o, i, u, flown)
-            then = self.legs[(i + 1) % len(self.legs)].at
+            next_phase = self.legs[(i + 1) % len(self.legs)].at  # its index in the unknowns
             side = leg.side
             tau = u[leg.tau]
             jump = o.jump[belt]
@@ -569,12 +602,19 @@ class BoxEquations:
                 else:
                     s = -1
                 lasts = (phase - u[leg.at]) / o.Omega - tau
-                by_lasts = (leg.at, [-1 / o.Omega]), (leg.tau, [arb(-1)]), (then, [1 / o.Omega])
+                by_lasts = (
+                    (leg.at, [-1 / o.Omega]),
+                    (leg.tau, [arb(-1)]),
+                    (next_phase, [1 / o.Omega]),
+                )
                 drift = s * self.drift(o, belt, phase)
+                drift_slope = s * o.B0 * o.Omega * phase.cos()
                 add(f"{stick.label} lasts", lasts, *by_lasts)
                 slopes_of_begins = [-slope for slope in slopes_of_meets]
                 add(f"{stick.label} begins", jump - meets, (leg.at, slopes_of_begins))
-                add(f"{stick.label} ends", drift, (then, [s * o.B0 * o.Omega * phase.cos()]))
+                add(f"{stick.label} ends", drift, (next_phase, [drift_slope]))
+                # The force that ends the stick is 0 at `phase`: so its value at a turn is its change
+                # from there, and that on the other side of the belt is the jump less it.
                 for turn in (self.turn(o, belt, index) for index in plan.turns[i]):
                     rises = (
                         o.B0 * (turn.cos() - phase.cos())
@@ -582,8 +622,8 @@ class BoxEquations:
                     )
                     force = s * rises / o.m
                     change = drift / (o.Omega * o.m)
-                    add(f"{stick.label} holds", force, (then, [change]))
-                    add(f"{stick.label} holds", jump - force, (then, [-change]))
+                    add(f"{stick.label} holds", force, (next_phase, [change]))
+                    add(f"{stick.label} holds", jump - force, (next_phase, [-change]))
             else:
                 add(f"{piece.label} crosses belt {belt}", meets - jump, by_meets)
             for share, reach in plan.cuts[i] or ():
@@ -649,6 +689,25 @@ class BoxEquations:
         return Jet(tau, side * (there.v - speed), side * there.a, side * jerk)
 
 
+def _dividing(low: float, high: float, longest: float) -> list[float]:
+    """Return the times that divide the span from `low` to `high` into equal parts, each less than
+    `longest` long.
+    """
+    count = int((high - low) / (SHORTER * longest))
+    return [low + j * (high - low) / (count + 1) for j in range(1, count + 1)]
+
+
+def _reaching(low: float, high: float, longest: float, spare: float) -> list[tuple[float, float]]:
+    """Return times, and reaches around them, that together cover the span from `low` to `high`.
+
+    A reach may be nearly longest/2 (Polya), but y bounds g worse the longer it is followed: these
+    are about an eighth of `longest`.
+    """
+    count = ceil(4 * (high - low) / longest)
+    half = (high - low) / count / 2
+    return [(low + (2 * j + 1) * half, 1.05 * half + spare) for j in range(count)]
+
+
 def complexed(value: Ball) -> Ball:
     """Return a real ball or series as a complex one."""
     if isinstance(value, arb_series):
@@ -665,11 +724,12 @@ def times_i(value: Ball) -> Ball:
 
 def component(value: Ball, imaginary: int) -> Ball:
     """Return the real part of a complex ball or series or, if `imaginary`, its imaginary part."""
-    if not isinstance(value, acb_series):
-        if imaginary:
-            return value.imag
-        return value.real
-    return arb_series([each.imag if imaginary else each.real for each in value], prec=value.prec)
+    if isinstance(value, acb_series):
+        coefficients = [component(entry, imaginary) for entry in value]
+        return arb_series(coefficients, prec=value.prec)
+    if imaginary:
+        return value.imag
+    return value.real
 
 
 def longest_part(o: OscillatorInBalls) -> float:
@@ -695,6 +755,36 @@ def box_arithmetic() -> Iterator[None]:
         raise NotInBox(str(undecided)) from None
     finally:
         ctx.cap = before
+
+
+class Orbits(NamedTuple):
+    """An oscillator, the unknowns of its orbit, and the flights of it: power series in the place."""
+
+    o: OscillatorInBalls
+    u: Values
+    flown: list[BoxFlight]
+
+
+class LinearPart(NamedTuple):
+    """The least value on the box of the linear part of a margin, and the side along which it
+    changes most.
+    """
+
+    least: Ball
+    along: int
+
+
+def _bounds_of_residuals(rounding: Values, cubes: Sequence[arb_mat]) -> Values:
+    """Return bounds of Y f on the surface: what rounding leaves, and the terms of order 3.
+
+    `cubes` has the values of the cubic form along the four DIRECTIONS.
+    """
+    # The form A a^3 + B a^2 b + C a b^2 + D b^3 has along them the values A, D, A + B + C + D and
+    # A - B + C - D.
+    A, D, plus, minus = cubes
+    form = A, (plus - minus) / 2 - D, (plus + minus) / 2 - A, D
+    parts = zip(rounding, *(cube.entries() for cube in form), strict=True)
+    return [(total + sum(map(abs, values), arb(0))).upper() for total, *values in parts]
 
 
 class Surface:
@@ -733,15 +823,14 @@ class Surface:
             step = (self.Y * column(r)).mid()
             self.u = (self.u - step).mid()
             size = max(abs(float(change)) for change in step.entries())
-            if not size < 1e3:
+            if not size < MOST_CHANGE:  # or nan
                 break
             if size < CONVERGED:
-                margins = flights.margins(
-                    o, self.u.entries(), flown, flights.plan(o, self.u.entries())
-                )
-                what, value, _ = min(margins, key=lambda margin: float(margin[1]))
-                if value < 0:
-                    raise NotInBox(what)
+                plan = flights.plan(o, self.u.entries())
+                margins = flights.margins(o, self.u.entries(), flown, plan)
+                worst = min(margins, key=lambda margin: float(margin.value))
+                if worst.value < 0:
+                    raise NotInBox(worst.text)
                 return
         raise NotInBox("a root of the closing equations")
 
@@ -779,7 +868,11 @@ class Surface:
 
     def near(self, a: float, b: float) -> tuple[float, ...]:
         """Return approximate unknowns at a place (a, b) in the box as floats."""
-        return tuple(map(float, (self.at(arb(a), arb(b)) if self.slopes else self.u).entries()))
+        if self.slopes:
+            unknowns = self.at(arb(a), arb(b))
+        else:  # `prove` has not found the polynomials
+            unknowns = self.u
+        return tuple(map(float, unknowns.entries()))
 
     def points(self) -> list[tuple[float, float]]:
         """Return phase and position of all switching points for the parameters at the middle of the
@@ -800,59 +893,26 @@ class Surface:
         """
         flights = self.flights
         place = arb(0, 1)
-        zero = arb(0)
-        # Slopes and bends of the surface cancel the terms of order 1 and 2 of Y f.
-        da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
-        thin = list[tuple[OscillatorInBalls, Values, list[BoxFlight]]]()  # series from the middle
-        bends = list[arb_mat]()
-        # What rounding leaves of the terms of order 0, 1 and 2, which are nearly 0.
-        rest = [zero] * flights.count
-        for a, b in DIRECTIONS[:3]:
-            orders, series = self._coefficients((a, b), [self.u, a * da + b * db], 3, False)
-            order_0, order_1, order_2 = orders
-            bend = -order_2.mid()
-            bends.append(bend)
-            thin.append(series)
-            for values in (order_0, order_1, order_2 + self.Y * (self.J * bend)):
-                rest = [
-                    total + 3 * abs(value)
-                    for total, value in zip(rest, values.entries(), strict=True)
-                ]
-        # The bend along (1, 1) is that of both sides together.
-        aa, bb, both = bends
-        self.slopes = [da, db]
-        self.squares = (aa, both - aa - bb, bb)
+        rounding, thin = self._fit_surface()
         wide = self.oscillator(self.range)
         surface = self.at(place, place)
         plan = flights.plan(wide, surface.entries())
-        # The least of the linear part of each margin, and the side along which it changes most.
-        low = list[Ball]()
-        rises = list[int]()
-        along_a, along_b = (flights.margins(*series, plan) for series in thin[:2])
-        for (what, by_a, _), (_, by_b, _) in zip(along_a, along_b, strict=True):
-            a = abs(coefficient(by_a, 1))
-            b = abs(coefficient(by_b, 1))
-            low.append(coefficient(by_a, 0) - a - b)
-            rises.append(int(b > a))
-            if low[-1] < 0:
-                raise NotInBox(what, rises[-1])
+        linear = self._linear_parts(thin, plan)
 
         # The terms of order 3 of Y f, and the bends of the margins, for all places in the box.
         cubes = list[arb_mat]()
-        curves = list[list[Ball]]()
+        bends = list[list[Ball]]()
         for d in DIRECTIONS:
             orders, series = self._coefficients(d, [surface, *self._derivatives(d, place)], 4, True)
             cubes.append(orders[3])
-            curves.append([coefficient(value, 2) for _, value, _ in flights.margins(*series, plan)])
-        # The coefficients of a^3, a^2 b, a b^2 and b^3 in the cubic form, from its values A, D,
-        # A + B + C + D and A - B + C - D along the four DIRECTIONS.
-        A, D = cubes[:2]
-        form = A, (cubes[2] - cubes[3]) / 2 - D, (cubes[2] + cubes[3]) / 2 - A, D
-        parts = zip(rest, *(cube.entries() for cube in form), strict=True)
-        pushed = [(total + sum(map(abs, values), zero)).upper() for total, *values in parts]
+            margins = flights.margins(*series, plan)
+            bends.append([coefficient(margin.value, 2) for margin in margins])
+        pushed = _bounds_of_residuals(rounding, cubes)
+        # If there is no proof, the side along which the cubic terms are larger is to be cut.
+        cube_a, cube_b = cubes[:2]
         size_a, size_b = (
             max(float(abs(value) / p) for value, p in zip(cube.entries(), pushed, strict=True))
-            for cube in (A, D)
+            for cube in (cube_a, cube_b)
         )
         along = int(size_b > size_a)
         tube, slopes = self._root_distances(surface, pushed, along)
@@ -864,15 +924,64 @@ class Surface:
             for new, old in zip(flights.plan(wide, whole).turns, plan.turns, strict=True)
         ):
             raise NotInBox("which turns are in a stick", along)
-        for i, (what, _, by) in enumerate(
-            flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)
+        margins = flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)
+        bends_a, bends_b, bends_both, _ = bends
+        for margin, part, bend_a, bend_b, bend_both in zip(
+            margins, linear, bends_a, bends_b, bends_both, strict=True
         ):
-            bend_a, bend_b, bend_both = (curve[i] for curve in curves[:3])
             mixed = abs(bend_both - bend_a - bend_b)
-            off_surface = sum((abs(slope) * r for slope, r in zip(by, tube, strict=True)), zero)
-            if not low[i] + bend_a.min(zero) + bend_b.min(zero) - mixed - off_surface > 0:
-                raise NotInBox(what, rises[i])
+            off_surface = sum(
+                (abs(slope) * r for slope, r in zip(margin.slopes, tube, strict=True)), arb(0)
+            )
+            if not part.least + bend_a.min(0) + bend_b.min(0) - mixed - off_surface > 0:
+                raise NotInBox(margin.text, part.along)
         flights.prove_flights(wide, whole, plan)
+
+    def _fit_surface(self) -> tuple[Values, list[Orbits]]:
+        """Set slopes and squares of the surface so that Y f has no terms of order 1 and 2 but for
+        rounding.
+
+        Return bounds of what rounding leaves of the terms of order 0, 1 and 2, and the orbits as
+        series from the middle of the box along the first three DIRECTIONS.
+        """
+        da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
+        thin = list[Orbits]()
+        bends = list[arb_mat]()
+        rounding = [arb(0)] * self.flights.count
+        for a, b in DIRECTIONS[:3]:
+            orders, series = self._coefficients((a, b), [self.u, a * da + b * db], 3, False)
+            order_0, order_1, order_2 = orders
+            bend = -order_2.mid()
+            bends.append(bend)
+            thin.append(series)
+            # The bend, which is not in the series, changes Y f by Y J bend at order 2.
+            for values in (order_0, order_1, order_2 + self.Y * (self.J * bend)):
+                # 3 times suffices: on the box a form is at most |aa| + |both - aa - bb| + |bb|.
+                rounding = [
+                    total + 3 * abs(value)
+                    for total, value in zip(rounding, values.entries(), strict=True)
+                ]
+        # The bend along (1, 1) is that of both sides together.
+        aa, bb, both = bends
+        self.slopes = [da, db]
+        self.squares = (aa, both - aa - bb, bb)
+        return rounding, thin
+
+    def _linear_parts(self, thin: Sequence[Orbits], plan: FlightChecks) -> list[LinearPart]:
+        """Return the least of the linear part of each margin on the box; raise NotInBox if one is
+        < 0.
+        """
+        parts = list[LinearPart]()
+        along_a, along_b = (self.flights.margins(*series, plan) for series in thin[:2])
+        for by_a, by_b in zip(along_a, along_b, strict=True):
+            change_a = abs(coefficient(by_a.value, 1))
+            change_b = abs(coefficient(by_b.value, 1))
+            least = coefficient(by_a.value, 0) - change_a - change_b
+            along = int(change_b > change_a)
+            parts.append(LinearPart(least, along))
+            if least < 0:
+                raise NotInBox(by_a.text, along)
+        return parts
 
     def _coefficients(
         self,
@@ -880,9 +989,9 @@ class Surface:
         coefficients: Sequence[arb_mat],
         count: int,
         from_whole_box: bool,
-    ) -> tuple[list[arb_mat], tuple[OscillatorInBalls, Values, list[BoxFlight]]]:
-        """Return coefficients of Y f (f: residuals, Y: nearly J^-1), and series of oscillator,
-        unknowns, flights.
+    ) -> tuple[list[arb_mat], Orbits]:
+        """Return the coefficients of Y f (f: residuals, Y: nearly J^-1) along a direction, and the
+        orbits that they are of.
 
         The arguments are those of `directed`.
         """
@@ -891,7 +1000,7 @@ class Surface:
         orders = [
             self.Y * column([series[order] for series in residuals]) for order in range(count)
         ]
-        return orders, (o, u, flown)
+        return orders, Orbits(o, u, flown)
 
     def _derivatives(self, d: tuple[int, int], place: Ball) -> tuple[arb_mat, arb_mat]:
         """Return first and second Taylor coefficients of the unknowns u(a, b) along `d`, for all a
@@ -906,38 +1015,38 @@ class Surface:
     def _root_distances(
         self, surface: arb_mat, pushed: Values, along: int
     ) -> tuple[Values, list[dict[str, Values]]]:
-        """Return for each unknown a bound on how far roots are from `surface`, where |Y f| <=
-        `pushed`; and slopes.
+        """Return a bound of each unknown's distance from `surface` at a root, if |Y f| <= `pushed`
+        on the surface, and the slopes of all flights within these bounds (Krawczyk).
         """
         # `along` is the side to cut if there is no proof.
         flights = self.flights
-        tube = [INFLATION * each for each in pushed]
+        tube = [INFLATION * bound for bound in pushed]
         for _ in range(MOST_INFLATIONS):
-            tube = [(INFLATION * each).mid() for each in tube]
-            reach = column([arb(0, r) for r in tube])
+            tube = [(INFLATION * radius).mid() for radius in tube]
+            reach = column([arb(0, radius) for radius in tube])
+            # 1 - Y J is its part at the middle and its changes along both sides: |1 - Y J| is at
+            # most the sum of their sizes.
             _, rows = flights.jacobian(self.oscillator(self.middle), (self.u + reach).entries())
             parts = [unit_matrix(flights.count) - self.Y * arb_mat(rows)]
             for d in DIRECTIONS[:2]:
-                o, u = self.directed(
-                    d, [surface + reach, self._derivatives(d, arb(0, 1))[0]], 2, True
-                )
+                slope, _ = self._derivatives(d, arb(0, 1))
+                o, u = self.directed(d, [surface + reach, slope], 2, True)
                 slopes, rows = flights.jacobian(o, u)
-                parts.append(
-                    self.Y * arb_mat([[coefficient(each, 1) for each in row] for row in rows])
-                )
+                changes = arb_mat([[coefficient(entry, 1) for entry in row] for row in rows])
+                parts.append(self.Y * changes)
             entries = zip(*(part.entries() for part in parts), strict=True)
-            apart = arb_mat(
-                flights.count, flights.count, [sum(map(abs, each), arb(0)) for each in entries]
-            )
-            image = (column(pushed) + apart * column(tube)).entries()
-            if all(each < r for each, r in zip(image, tube, strict=True)):
+            sizes = [sum(map(abs, of_parts), arb(0)) for of_parts in entries]
+            off_unit = arb_mat(flights.count, flights.count, sizes)
+            image = (column(pushed) + off_unit * column(tube)).entries()
+            if all(moved < radius for moved, radius in zip(image, tube, strict=True)):
                 return tube, [
                     {name: [coefficient(z, 0) for z in row] for name, row in by.items()}
                     for by in slopes
                 ]
-            grown = (apart * column(pushed)).entries()
-            excess = max(float(each) / float(p) for each, p in zip(grown, pushed, strict=True))
-            tube = [each.upper() for each in image]
-            if not excess < 1 or not all(each < 10 for each in tube):
+            # If off_unit enlarges `pushed`, wider tubes hardly help.
+            grown = (off_unit * column(pushed)).entries()
+            excess = max(float(size) / float(p) for size, p in zip(grown, pushed, strict=True))
+            tube = [moved.upper() for moved in image]
+            if not excess < 1 or not all(radius < MOST_TUBE for radius in tube):
                 break
         raise NotInBox("one root for all parameters", along, excess)

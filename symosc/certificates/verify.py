@@ -53,6 +53,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from threading import RLock
+from typing import Any, NamedTuple
 
 from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 
@@ -66,7 +67,11 @@ ORDERS = 12
 TINY = fmpq(1, 10**100)
 TOO_NEAR = 2.0**-20
 WIDENINGS = 40
+MOST_BITS = 2048
+MOST_BITS_IF_EXACT = 4096
 OPEN, FALSE, BAD = range(3)
+# The components of z.
+X, V, ONE, COS, SIN = range(5)
 #: Held while the precision of flint, which all threads share, is changed.
 LOCK = RLock()
 
@@ -110,16 +115,16 @@ def number(value, where):
     `where` names the entry of the file.
     """
     if type(value) is str and NUMBER.fullmatch(value):
-        found = fmpq(*Fraction(value).as_integer_ratio())
+        exact = fmpq(*Fraction(value).as_integer_ratio())
     else:
-        found = None
-    right = found is not None and (found == 0 or TINY <= abs(found) <= 1 / TINY)
+        exact = None
+    right = exact is not None and (exact == 0 or TINY <= abs(exact) <= 1 / TINY)
     check(
         right,
         f"{where}: {str(value)[:40]!r} is no decimal or fraction between 1e-100 and 1e100",
         BAD,
     )
-    return found
+    return exact
 
 
 def interval(value, where):
@@ -133,9 +138,11 @@ def interval(value, where):
 
 
 def read(value, shape, where):
-    """Return a part of a file with its texts turned into numbers.
+    """Return a part of a file with its texts turned into numbers; raise Stop unless it has a
+    `shape` as in SHAPES.
 
-    Raise Stop unless it has a `shape` as in SHAPES.
+    A shape is a dict of shapes by key, a type, a set of the values allowed, a list with the shape
+    of all its entries, a tuple with the shape of each entry, or a function that reads the value.
     """
     if isinstance(shape, dict):
         check(type(value) is dict, f"{where} is no object", BAD)
@@ -147,7 +154,7 @@ def read(value, shape, where):
         return value
     if isinstance(shape, set):
         check(
-            any(type(value) is type(one) and value == one for one in shape),
+            any(type(value) is type(allowed) and value == allowed for allowed in shape),
             f"{where}: {str(value)[:40]!r}",
             BAD,
         )
@@ -155,10 +162,10 @@ def read(value, shape, where):
     if isinstance(shape, list | tuple):
         right = type(value) is list and (isinstance(shape, list) or len(value) == len(shape))
         check(right, f"{where} is no list, or not as long as it must be", BAD)
-        parts = shape * len(value) if isinstance(shape, list) else shape
+        shapes = shape * len(value) if isinstance(shape, list) else shape
         return [
-            read(each, part, f"{where}[{i}]")
-            for i, (each, part) in enumerate(zip(value, parts, strict=True))
+            read(entry, of_entry, f"{where}[{i}]")
+            for i, (entry, of_entry) in enumerate(zip(value, shapes, strict=True))
         ]
     return shape(value, where)
 
@@ -245,6 +252,7 @@ class Mode:
 
     def __init__(self, p, number):
         m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (p[name] for name in NAMES)
+        # The rows of F in the domains: Omega1 is below both belts, Omega3 above both.
         friction = {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}
         F = {i: [-k / m, -c / m, (A0 + friction[i] * FN) / m, B0 / m, fmpq(0)] for i in friction}
         self.number = number
@@ -256,14 +264,17 @@ class Mode:
                 for belt, side in sides
                 if belt in (1, 2)
             }
-        else:  # F below the belt, and -F above it
-            rows = {number - 3: F[number - 3], number - 2: [-each for each in F[number - 2]]}
+        else:  # F below the belt, and -F above it, by the domain into which the mass then slips
+            below = number - 3
+            above = number - 2
+            rows = {below: F[below], above: [-entry for entry in F[above]]}
         self.ends = list(rows)
         self.row = fmpq_mat(list(rows.values()))
         self.exact = fmpq_mat(
             [[0, 1, 0, 0, 0], F.get(number, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]]
         )
         self.M = arb_mat(self.exact)
+        # rows[n] of the n-th derivative, drive[n] a bound of that of the drive; `lag` is m/c.
         self.rows = [arb_mat(self.row * self.exact**order) for order in range(ORDERS)]
         self.km = arb(k / m)
         if c:
@@ -274,6 +285,7 @@ class Mode:
         pull = k - m * Om * Om
         drag = c * Om
         square = pull * pull + drag * drag
+        # The steady motion is the answer to the drive; a flight tends to it where k > 0.
         if self.flies and k > 0 and square > 0:
             self.steady = arb(abs(B0) * Om) / arb(square).sqrt()
             self.free = arb_mat(
@@ -284,18 +296,19 @@ class Mode:
         """Return a number that |f^(n)|, n > 1, does not exceed for a time `h` after the state z,
         for each f.
         """
-        u, w = (abs((rows * z)[0, 0]).upper() for rows in self.rows[n : n + 2])
+        # All f of a mode have the same derivatives but for the sign: f^(n) and f^(n+1) at z.
+        u, u_slope = (abs((rows * z)[0, 0]).upper() for rows in self.rows[n : n + 2])
         D = self.drive[n + 1]
-        lag = h.min(self.lag)
+        lag = h.min(self.lag)  # l in 2 above, as `divisor` and both bounds
         if not self.flies:
             return self.drive[n].min(u + h * D)
-        near = 1 - h * lag * self.km
-        energy = arb.pos_inf()
+        divisor = 1 - h * lag * self.km
+        by_energy = arb.pos_inf()
         if self.km > 0:
-            energy = (u * u + w * w / self.km).sqrt() + h * D / self.km.sqrt()
-        if near > 0:
-            return energy.min((u + h * w + h * lag * D) / near)
-        return energy
+            by_energy = (u * u + u_slope * u_slope / self.km).sqrt() + h * D / self.km.sqrt()
+        if divisor > 0:
+            return by_energy.min((u + h * u_slope + h * lag * D) / divisor)
+        return by_energy
 
     def settles(self, z):
         """Return whether a flight certainly never meets a belt after the state z, by a bound of its
@@ -303,9 +316,11 @@ class Mode:
         """
         if self.steady is None:
             return False
+        # w = v less the steady velocity; w^2 + w'^2 m/k, an energy, does not grow.
         w, rate = (abs((row * z)[0, 0]).upper() for row in (self.free, self.free * self.M))
         most = self.steady + (w * w + rate * rate / self.km).sqrt()
-        return all(arb(self.row[i, 2]) - most > 0 for i in range(len(self.ends)))
+        # f is +-v plus a constant, so it is not below the constant less `most`.
+        return all(arb(self.row[i, ONE]) - most > 0 for i in range(len(self.ends)))
 
     def stays(self, z, h, orders, after=None):
         """Return whether the mode certainly lasts for a time `h` after the state z, as all its f
@@ -314,6 +329,7 @@ class Mode:
         `orders` has, by the ends of the mode, the order of the first derivative that is not 0 of
         each f that is 0 at z. `after` is the state at the end of that time, if it is known.
         """
+        # With both ends known each one vouches for the half of the time next to it.
         if after is None:
             half = h
         else:
@@ -326,7 +342,7 @@ class Mode:
             sure = f > 0 and f + slope * half - bend * half * half / 2 > 0
             if not (self.flies or n):  # F at its least: the drive against it, and x from now on
                 row = self.rows[0]
-                least = f - row[i, 3] * z[3, 0] - self.drive[0] - abs(row[i, 0] * z[1, 0]) * h
+                least = f - row[i, COS] * z[COS, 0] - self.drive[0] - abs(row[i, X] * z[V, 0]) * h
                 if least > 0:
                     continue
             if sure and after is not None:
@@ -338,11 +354,38 @@ class Mode:
         return True
 
 
+class Around(NamedTuple):
+    """A ball of times around an event, and f, f' and f'' at its lower end, at its upper end, and on
+    all of it.
+    """
+
+    times: Any
+    before: Any
+    behind: Any
+    during: Any
+
+
+class Starts(NamedTuple):
+    """A set of starts (t, x, v), as in `VerifiedMotion`."""
+
+    centre: Any
+    columns: Any
+    rest: Any
+
+
+class Next(NamedTuple):
+    """What follows an event: its kind, the number of the next mode, and `leaves` of the next
+    motion.
+    """
+
+    kind: str
+    mode: int
+    leaves: Any
+
+
 class VerifiedMotion:
     """The motions in one mode from a set of starts (t, x, v): `centre` plus each side times any
     number in [-1, 1].
-
-    ].
     """
 
     # The sides are vectors: `columns` contain the derivatives with respect to the first start; or,
@@ -370,12 +413,13 @@ class VerifiedMotion:
         self.x = x
         cosine, sine = (arb(p["Omega"]) * self.t).sin_cos()[::-1]
         self.first = arb_mat([[x], [v], [1], [cosine], [sine]])
+        # All motions are followed from one time on, the earliest start: z0 encloses the states that
+        # they come from there.
         back = (self.origin - self.t).union(arb(0))
         rate = self.mode.M * self.first
         bend = self.mode.M * (self.mode.M * back).exp() * rate
-        self.z0 = (
-            self.first + rate * back + bend * (back * back / 2)
-        )  # Taylor: where F is small, so is its error
+        # By Taylor's theorem: where F is small, so is its error.
+        self.z0 = self.first + rate * back + bend * (back * back / 2)
         circles = p["c"] == p["B0"] == 0 < p["k"]
         if circles and max(self.leaves.values(), default=0) > 1:
             self.amplitude = p[f"v{belt}"] ** 2
@@ -403,12 +447,11 @@ class VerifiedMotion:
         if t.is_exact():
             return f[:3]
         flow = (self.mode.M * change).exp()
+        # Derivatives of z, so that what cancels in them does so before the times differ.
         z = self.mode.M * z
         bend = []
         for _ in range(3):
-            z = (
-                self.mode.M * z
-            )  # derivatives of z, so that what cancels in them does so before the times differ
+            z = self.mode.M * z
             bend.append((self.mode.rows[0] * (flow * z))[i, 0] * change * change / 2)
         return [f[n] + f[n + 1] * change + bend[n] for n in range(3)]
 
@@ -418,22 +461,25 @@ class VerifiedMotion:
         """
         require(until - self.t, "an event or the end is not after the event before it")
         a = self.origin
-        orders = self.leaves
+        orders = self.leaves  # of the first step alone: from then on all f are > 0
         last = self.at(until)
         h = until - self.origin
         while True:
             z = self.at(a)
-            h = 4 * h
+            h = 4 * h  # try a longer step than the last one, then halves of it
             while True:
                 ends = not a + h < until
                 if ends:
                     b = until
                 else:
                     b = (a + h).mid()
-                if self.mode.stays(z, b - a, orders, last if ends and not orders else None):
+                after = last if ends and not orders else None
+                if self.mode.stays(z, b - a, orders, after):
                     break
                 h = ((b - a) / 2).mid()
-                if h < TOO_NEAR:
+                if (
+                    h < TOO_NEAR
+                ):  # so short a step fails where f < 0 soon: then more bits are no help
                     beyond = self.mode.rows[0] * self.at((a + 4 * h).min(until).mid())
                     check(
                         not any(f < 0 for f in beyond.entries()),
@@ -446,17 +492,17 @@ class VerifiedMotion:
             h = b - a
             a = b
 
-    def zero(self, end, order, found):
-        """Narrow the enclosure `found` of a time at which f (order 0) or f' (order 1) of an end of
-        the mode is 0.
+    def zero(self, end, order, times):
+        """Narrow the enclosure `times` of the time at which f (order 0) or f' (order 1) of an end
+        of the mode is 0, by interval Newton.
         """
         while True:
-            step = found.mid() - self.f(end, found.mid())[order] / self.f(end, found)[order + 1]
-            check(step.overlaps(found), "where an event is", OPEN)
-            before = found
-            found = step.intersection(found)
-            if not found.rad() < before.rad() / 2:
-                return found
+            step = times.mid() - self.f(end, times.mid())[order] / self.f(end, times)[order + 1]
+            check(step.overlaps(times), "where an event is", OPEN)
+            before = times
+            times = step.intersection(times)
+            if not times.rad() < before.rad() / 2:
+                return times
 
     def moved(self, t, sides):
         """Return how the state z at a time changes if the start moves along each of `sides`,
@@ -464,10 +510,10 @@ class VerifiedMotion:
         """
         e = (self.mode.M * (t - self.t)).exp()
         rate = self.mode.M * self.first
-        # A later start is one at the same time with another x and v.
+        # A start that is later by dt is one at the same time with another x and v.
         return [
-            e * arb_mat([[x - rate[0, 0] * s], [v - rate[1, 0] * s], [0], [0], [0]])
-            for s, x, v in sides
+            e * arb_mat([[dx - rate[X, 0] * dt], [dv - rate[V, 0] * dt], [0], [0], [0]])
+            for dt, dx, dv in sides
         ]
 
     def after_event(self, row, limits=()):
@@ -477,52 +523,63 @@ class VerifiedMotion:
         """
         if row["kind"] == "graze":
             return self.graze(row, limits)
-        flies = self.mode.flies
         mode = self.mode
-        p = self.problem.p
-        if flies:
-            end, belt = (row["boundary"],) * 2
+        if mode.flies:
+            end = row["boundary"]
+            belt = end
+            check(end in mode.ends, "an event at a belt that is not beside the domain")
+            once = "that v meets a belt once at an event"
         else:
             end = row["target"]
             belt = self.belt
-        if flies:
-            check(end in mode.ends, "an event at a belt that is not beside the domain")
-        else:
             check(
                 end in mode.ends and row["boundary"] == self.belt,
                 "the end of a stick on another belt",
             )
-        times, *_, (_, slope, _) = self.around(end, row, -1)
-        if flies:
-            once = "that v meets a belt once at an event"
-        else:
             once = "that F meets 0 once at the end of a stick"
+        around = self.around(end, row, -1)
+        (_, slope, _) = around.during
         require(-slope, once)
-        when = self.zero(end, 0, times)
-        kind = "slip"
-        then = end
-        leaves = {belt: 2}
-        centre, columns, rest = self.arrive(end, belt, when)
-        if flies:
-            there = VerifiedMotion(self.problem, mode.number, end, centre, columns, rest=rest).first
-            F = (mode.M * there)[1, 0]
-            jump = arb(2 * p[f"mu{end}"] * p["FN"] / p["m"])
-            both = F * (F - jump if mode.number == end else F + jump)
-            require(abs(both), "F at a belt, and behind it")
-            if both > 0:
-                kind = "cross"
-                then = 2 * end + 1 - mode.number
-                leaves = {end: 1}
-            else:
-                kind = "stick"
-                then = 3 + end
-                leaves = {}
+        when = self.zero(end, 0, around.times)
+        starts = self.arrive(end, belt, when)
+        if mode.flies:
+            kind, then, leaves = self.follows(end, starts)
+        else:
+            kind = "slip"
+            then = end
+            leaves = {belt: 2}
         self.require_row(row, kind, then)
-        return type(self)(self.problem, then, belt, centre, columns, leaves, None, rest)
+        return type(self)(
+            self.problem,
+            then,
+            belt,
+            starts.centre,
+            starts.columns,
+            leaves=leaves,
+            rest=starts.rest,
+        )
+
+    def follows(self, belt, starts):
+        """Return what follows where a flight meets a belt: the kind of event, the next mode, and
+        its `leaves`.
+        """
+        p = self.problem.p
+        mode = self.mode
+        there = VerifiedMotion(
+            self.problem, mode.number, belt, starts.centre, starts.columns, rest=starts.rest
+        ).first
+        # F on this side of the belt, and behind it, where friction is the other way round.
+        F = (mode.M * there)[V, 0]
+        jump = arb(2 * p[f"mu{belt}"] * p["FN"] / p["m"])
+        both = F * (F - jump if mode.number == belt else F + jump)
+        require(abs(both), "F at a belt, and behind it")
+        if both > 0:
+            return Next("cross", 2 * belt + 1 - mode.number, {belt: 1})
+        return Next("stick", 3 + belt, {})
 
     def around(self, end, row, turn):
-        """Return a ball of times around an event, and f, f', f'' at its lower end, at its upper
-        end, and on all of it.
+        """Return a ball of times around an event and its f (`Around`), of which the signs are
+        proven.
 
         The event is where f of the mode's `end` is 0. f > 0 is proven before it, and turn * f > 0
         after it.
@@ -532,41 +589,42 @@ class VerifiedMotion:
         for _ in range(WIDENINGS):
             first = self.f(end, low)
             last = self.f(end, high)
-            if not self.columns or (first[0] > 0 and turn * last[0] > 0):
-                break  # else the signs are rough, as the starts are a box
+            are_as_stated = first[0] > 0 and turn * last[0] > 0
+            if not self.columns or are_as_stated:
+                break  # else the signs are rough, as the starts are a box: look further away
             low, high = (3 * low - 2 * high).mid(), (3 * high - 2 * low).mid()
         require(first[0], "the sign of f before an event")
         require(turn * last[0], "the sign of f behind an event")
         self.positive(low)
-        return low.union(high), first, last, self.f(end, low.union(high))
+        return Around(low.union(high), first, last, self.f(end, low.union(high)))
 
     def arrive(self, end, belt, when):
-        """Return the states (t, x, v), at times in `when`, in which the mode ends: the function f
-        of that end is 0.
+        """Return the set of the states (t, x, v), at times in `when`, in which the mode ends: the
+        function f of that end is 0.
         """
         v = arb(self.problem.p[f"v{belt}"])
         sides = []
-        slope = self.f(end, when)[1]
+        (_, slope, _) = self.f(end, when)
         i = self.mode.ends.index(end)
         count = len(self.columns)
+        # Where z moves by dz, f is 0 later by dt (implicit function theorem).
         for dz in self.moved(when, [*self.columns, *(self.rest or ())]):
             dt = -(self.mode.rows[0] * dz)[i, 0] / slope
-            sides.append((dt, dz[0, 0] + v * dt, arb(0)))
+            sides.append((dt, dz[X, 0] + v * dt, arb(0)))
+        columns = sides[:count]
         thin = VerifiedMotion(self.problem, self.mode.number, self.belt, self.centre)
         t = thin.zero(end, 0, when)
-        centre = t, thin.at(t)[0, 0], v
+        x = thin.at(t)[X, 0]
+        centre = t, x, v
         if self.rest is None:
-            return centre, sides, None
-        unknown = [
-            sum((each[i].rad() for each in (centre, *sides[:count])), arb(0)).upper()
-            for i in (0, 1)
-        ]
-        rest = [*sides[count:], (unknown[0], arb(0), arb(0)), (arb(0), unknown[1], arb(0))]
-        return (
-            [t.mid(), centre[1].mid(), v],
-            [[each.mid() for each in side] for side in sides[:count]],
-            frame(rest),
+            return Starts(centre, columns, None)
+        # Exact numbers from here on; the radii that they lose are sides of the rest.
+        lost_t, lost_x = (
+            sum((vector[i].rad() for vector in (centre, *columns)), arb(0)).upper() for i in (0, 1)
         )
+        rest = [*sides[count:], (lost_t, arb(0), arb(0)), (arb(0), lost_x, arb(0))]
+        exact = [[component.mid() for component in side] for side in columns]
+        return Starts([t.mid(), x.mid(), v], exact, frame(rest))
 
     def graze(self, row, limits):
         """Prove that the next event is a graze, as stated in a row of the file.
@@ -580,43 +638,51 @@ class VerifiedMotion:
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
         speed = self.problem.p[f"v{end}"]
         check(limits or self.amplitude == speed**2, "a graze of no start")
-        times, (_, falls, _), (_, rises, _), (_, _, bend) = self.around(end, row, 1)
+        around = self.around(end, row, 1)
+        times = around.times
+        (_, falls, _) = around.before
+        (_, rises, _) = around.behind
+        (_, _, bend) = around.during
         require(-falls, "that v comes nearer to a belt before a graze")
         require(rises, "that v goes away from a belt after a graze")
         require(bend, "that v turns once at a graze")
         when = self.zero(end, 1, times)
         self.require_row(row, "graze", mode.number)
-        x = self.at(when)[0, 0]
+        x = self.at(when)[X, 0]
         if limits:
-            low, high = (each.least(end, times) for each in limits)
+            low, high = (motion.least(end, times) for motion in limits)
             require(-low * high, "that one start goes beyond the belt, and one does not reach it")
             (dz,) = self.moved(when, self.columns)
             require(
                 abs((mode.rows[0] * dz)[mode.ends.index(end), 0]), "that only one start touches"
             )
         else:
-            x = arb(-mode.exact[1, 2] / mode.exact[1, 0])  # where F = 0
-        place = [when, x, arb(speed)]
+            x = arb(-mode.exact[V, ONE] / mode.exact[V, X])  # where F = 0
+        centre = [when, x, arb(speed)]
         columns = []
         if self.columns or limits:
-            place = [each.mid() for each in place[:2]] + place[2:]
+            centre = [when.mid(), x.mid(), arb(speed)]
             columns = [(arb(when.rad()), arb(0), arb(0)), (arb(0), arb(x.rad()), arb(0))]
-        return VerifiedMotion(self.problem, mode.number, end, place, columns, {end: 2}, None, [])
+        return VerifiedMotion(
+            self.problem, mode.number, end, centre, columns, leaves={end: 2}, rest=[]
+        )
 
     def least(self, end, times):
-        """Return the least distance f of v from the belt `end`, which is reached at a time in
+        """Return the least distance f of v from the belt `end`, which it has at a time in
         `times`.
         """
-        found = self.zero(end, 1, times)
-        return self.f(end, found.mid())[0] + self.f(end, found)[1] * (found - found.mid())
+        when = self.zero(end, 1, times)
+        f_at_middle = self.f(end, when.mid())[0]
+        (_, slope, _) = self.f(end, when)
+        return f_at_middle + slope * (when - when.mid())
 
     def require_row(self, row, kind, then):
         """Raise Stop unless a row of the file states an event of this kind, from this mode to the
         mode `then`.
         """
-        found = row["kind"], row["source"], row["target"]
+        stated = row["kind"], row["source"], row["target"]
         check(
-            found == (kind, self.mode.number, then),
+            stated == (kind, self.mode.number, then),
             f"{kind}: {MODES[self.mode.number]} to {MODES[then]}",
         )
 
@@ -629,13 +695,11 @@ class VerifiedMotion:
         inside(self.x, row["x"])
         return self
 
-    def from_centre(self, parts):
-        """Return t and x of one start: the centre plus each of the columns, multiplied by its
-        factor in `parts`.
-        """
+    def from_centre(self, factors):
+        """Return t and x of one start: the centre plus each of the columns times its factor."""
         moved = [
-            [part * each for each in column]
-            for part, column in zip(parts, self.columns, strict=True)
+            [factor * component for component in column]
+            for factor, column in zip(factors, self.columns, strict=True)
         ]
         return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
 
@@ -644,9 +708,9 @@ def frame(sides):
     """Return two orthogonal sides of a rectangle that contains all sums of `sides`, each times a
     number in [-1, 1].
     """
-    p, q, _ = (
-        each.mid() for each in max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper())
-    )
+    # (p, q) is the direction (dt, dx) of the longest side.
+    longest = max(sides, key=lambda side: (abs(side[0]) + abs(side[1])).upper())
+    p, q, _ = (component.mid() for component in longest)
     if p == q == 0:
         p = arb(1)
     square = p * p + q * q
@@ -673,37 +737,45 @@ def begin(problem, start, errors, rest=None):
         mode = problem.mode(1 + (v0 > p["v1"]) + (v0 > p["v2"]))
         circles = not any(errors) and p["c"] == p["B0"] == 0 < p["k"]
         if circles:
-            amplitude = v0**2 + (mode.exact * z)[1, 0] ** 2 * p["m"] / p["k"]
+            amplitude = v0**2 + (mode.exact * z)[V, 0] ** 2 * p["m"] / p["k"]
         else:
             amplitude = None
-        return VerifiedMotion(problem, mode.number, 0, centre, columns, {}, amplitude, rest)
+        return VerifiedMotion(
+            problem, mode.number, 0, centre, columns, leaves={}, amplitude=amplitude, rest=rest
+        )
     check(errors[2] == 0, "a start on a belt whose velocity is known exactly")
     if v0 == p["v1"]:
-        at = 1
+        belt = 1
     else:
-        at = 2
-    found = []
-    hold = problem.mode(3 + at)
+        belt = 2
+    hold = problem.mode(3 + belt)
+    stuck = VerifiedMotion(problem, 3 + belt, belt, centre, columns).first
+    # For F below the belt and -F above it: whether the first derivative that is not 0 is > 0, and
+    # its order.
+    signs_and_orders = []
     for i in (0, 1):
         order = 0
-        value = (hold.rows[0] * VerifiedMotion(problem, 3 + at, at, centre, columns).first)[i, 0]
+        value = (hold.rows[0] * stuck)[i, 0]
         exact = not any(errors) and (t0 == 0 or p["B0"] == 0)
         while exact and value.contains(0) and order < ORDERS - 5:
             value = arb((hold.row * hold.exact**order * z)[i, 0])
             order += value == 0
         require(abs(value), "F on the belt at the start")
-        found.append((value > 0, order))
-    (below, first), (above, second) = found
-    if below and above:  # F > 0 below, -F > 0 above: it sticks
-        leaves = {at + i: n for i, (_, n) in enumerate(found) if n}
-        return VerifiedMotion(problem, 3 + at, at, centre, columns, leaves, None, rest)
-    if not below:
-        domain = at
-        order = first
+        signs_and_orders.append((value > 0, order))
+    (holds_below, order_below), (holds_above, order_above) = signs_and_orders
+    if holds_below and holds_above:
+        leaves = {belt + i: order for i, (_, order) in enumerate(signs_and_orders) if order}
+        return VerifiedMotion(problem, 3 + belt, belt, centre, columns, leaves=leaves, rest=rest)
+    if not holds_below:
+        domain = belt
+        order = order_below
     else:
-        domain = at + 1
-        order = second
-    return VerifiedMotion(problem, domain, at, centre, columns, {at: order + 1}, None, rest)
+        domain = belt + 1
+        order = order_above
+    # F is v', so that v leaves the belt by one order later.
+    return VerifiedMotion(
+        problem, domain, belt, centre, columns, leaves={belt: order + 1}, rest=rest
+    )
 
 
 def leave(problem, start, errors, until):
@@ -712,14 +784,15 @@ def leave(problem, start, errors, until):
     Return the set of their flights.
     """
     (t0, _, v0) = start
+    (error_t, error_x, error_v) = errors
     p = problem.p
     if v0 == p["v1"]:
-        at = 1
+        belt = 1
     else:
-        at = 2
-    after = until - t0 - errors[0]
+        belt = 2
+    after = until - t0 - error_t
     check(
-        v0 in (p["v1"], p["v2"]) and errors[2] == 0 and after > 0,
+        v0 in (p["v1"], p["v2"]) and error_v == 0 and after > 0,
         "a start on a belt, and a time after it",
     )
 
@@ -728,16 +801,17 @@ def leave(problem, start, errors, until):
         `start`.
         """
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
-        return VerifiedMotion(problem, mode, at, [arb(value) for value in start], columns, leaves)
+        centre = [arb(value) for value in start]
+        return VerifiedMotion(problem, mode, belt, centre, columns, leaves)
 
-    wide = until - t0, errors[1] + abs(v0) * (until - t0 + errors[0])
-    now = motion(3 + at, *errors[:2]).first
-    then = motion(3 + at, *wide).first
-    rows = problem.mode(3 + at).rows
-    F = rows[0] * now
-    F_then = rows[0] * then
-    slope = rows[1] * then
-    # F of this side ends the stick
+    # How far from `start` t and x may be up to `until`, while the mass sticks.
+    until_then = until - t0, error_x + abs(v0) * (until - t0 + error_t)
+    hold = problem.mode(3 + belt)
+    F = hold.rows[0] * motion(hold.number, error_t, error_x).first
+    state_then = motion(hold.number, *until_then).first
+    F_then = hold.rows[0] * state_then
+    slope = hold.rows[1] * state_then
+    # F of this side (0: below the belt, 1: above it) ends the stick.
     if slope[0, 0] < 0:
         i = 0
     else:
@@ -745,7 +819,7 @@ def leave(problem, start, errors, until):
     require(-slope[i, 0], "F on the belt that falls")
     require(F_then[1 - i, 0], "F on the other side of the belt")
     require(-F[i, 0] - slope[i, 0] * arb(after), "the end of a stick before the time stated")
-    return motion(at + i, *wide, {at: 2})
+    return motion(belt + i, *until_then, {belt: 2})
 
 
 # -- what the files state --------------------------------------------------------------------------
@@ -793,6 +867,8 @@ def varied(problem, number, name):
     if name in START:
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
+    # M and the rows are linear in each parameter but m, and in 1/m: differences from a changed
+    # parameter are exact derivatives, for m (made 2m, where 1/m is halved) after a factor.
     if name == "m":
         by = p["m"]
         factor = 2 / p["m"]
@@ -810,44 +886,44 @@ def changes(problem, motions, rows, name):
 
     `rows` has the events in the file, `motions` the motions before, between and after them.
     """
-    dt, dx, dv = (arb(int(name == each)) for each in START)
-    found = []
+    dt, dx, dv = (arb(int(name == number)) for number in START)
+    derivatives = []
     for motion, row, after in zip(motions, rows, motions[1:], strict=False):
         problem.step(5)
         mode = motion.mode
         z = motion.first
-        N, by_row = (arb_mat(each) for each in varied(problem, mode.number, name))
+        M_by, row_by = (arb_mat(matrix) for matrix in varied(problem, mode.number, name))
         rate = mode.M * z
-        if name == "Omega":
+        if name == "Omega":  # the phase Omega t changes by t where the motion begins
             turned = motion.t
         else:
             turned = arb(0)
-        launched = [
-            dx - rate[0, 0] * dt,
-            dv - rate[1, 0] * dt,
+        z_by_at_start = [
+            dx - rate[X, 0] * dt,
+            dv - rate[V, 0] * dt,
             arb(0),
-            -z[4, 0] * turned,
-            z[3, 0] * turned,
+            -z[SIN, 0] * turned,
+            z[COS, 0] * turned,
         ]
+        # (z_q, z)' = ((M, M_q), (0, M)) (z_q, z)
         M = mode.M.tolist()
         none = [arb(0)] * 5
-        both = arb_mat(
-            [[*a, *b] for a, b in zip(M, N.tolist(), strict=True)] + [[*none, *a] for a in M]
-        )
-        zq = ((after.t - motion.t) * both).exp() * arb_mat(10, 1, [*launched, *z.entries()])
-        zq = arb_mat(zq.tolist()[:5])
+        upper = [[*of_M, *of_M_by] for of_M, of_M_by in zip(M, M_by.tolist(), strict=True)]
+        lower = [[*none, *of_M] for of_M in M]
+        flow = ((after.t - motion.t) * arb_mat(upper + lower)).exp()
+        z_by = flow * arb_mat(10, 1, [*z_by_at_start, *z.entries()])
+        z_by = arb_mat(z_by.tolist()[:5])
         belt = row["boundary"]
+        speed = problem.p[f"v{belt}"]
         i = mode.ends.index(belt if mode.flies else row["target"])
-        there = arb_mat(
-            [[after.x], [problem.p[f"v{belt}"]], [1], *([after.first[i, 0]] for i in (3, 4))]
-        )
-        slope = (mode.rows[1] * there)[i, 0]
+        z_then = arb_mat([[after.x], [speed], [1], [after.first[COS, 0]], [after.first[SIN, 0]]])
+        slope = (mode.rows[1] * z_then)[i, 0]
         require(abs(slope), "the slope at an event")
-        dt = -((by_row * there)[i, 0] + (mode.rows[0] * zq)[i, 0]) / slope
-        dx = zq[0, 0] + problem.p[f"v{belt}"] * dt
+        dt = -((row_by * z_then)[i, 0] + (mode.rows[0] * z_by)[i, 0]) / slope
+        dx = z_by[X, 0] + speed * dt
         dv = arb(int(name == f"v{belt}"))
-        found.append((dt, dx))
-    return found
+        derivatives.append((dt, dx))
+    return derivatives
 
 
 def differentiated(problem, data, motions):
@@ -864,16 +940,20 @@ def differentiated(problem, data, motions):
     )
     check(right, "derivatives: not as many as events and names", BAD)
     check(all(row["kind"] != "graze" for row in data["events"]), "derivatives behind a graze")
-    on = [f"v{n}" for n in (1, 2) if data["start"]["v0"] == problem.p[f"v{n}"]]
-    check(not {"v0", *on} & {*names} or not on, "a derivative by what takes the start off its belt")
+    speeds = [f"v{n}" for n in (1, 2) if data["start"]["v0"] == problem.p[f"v{n}"]]
+    check(
+        not {"v0", *speeds} & {*names} or not speeds,
+        "a derivative by what takes the start off its belt",
+    )
     check(
         max(first.leaves.values(), default=0) <= first.mode.flies,
         "derivatives where a force is 0 at the start",
     )
     for j, name in enumerate(names):
-        for found, row in zip(changes(problem, motions, data["events"], name), stated, strict=True):
-            for value, ends in zip(found, (row["dt"][j], row["dx"][j]), strict=True):
-                inside(value, ends)
+        derivatives = changes(problem, motions, data["events"], name)
+        for (dt, dx), row in zip(derivatives, stated, strict=True):
+            inside(dt, row["dt"][j])
+            inside(dx, row["dx"][j])
 
 
 def trajectory(data, source, limits):
@@ -889,23 +969,30 @@ def trajectory(data, source, limits):
     else:
         suffix = ""
     if data["starts"] == "some":
-        name, low, high = (data["free"][each] for each in ("name", "low", "high"))
+        # Three motions: from all starts, from the lowest one, and from the highest one.
+        name, low, high = (data["free"][key] for key in ("name", "low", "high"))
         i = START.index(name)
         check(
             start[i] - errors[i] <= low < high <= start[i] + errors[i],
             "a free number within the start's error",
         )
-        near = ((low + high) / 2, (high - low) / 2), (low, fmpq(0)), (high, fmpq(0))
+        middles_and_errors = (
+            ((low + high) / 2, (high - low) / 2),
+            (low, fmpq(0)),
+            (high, fmpq(0)),
+        )
         starts = [
-            ([*start[:i], s, *start[i + 1 :]], [e * (j == i) for j in range(3)]) for s, e in near
+            ([*start[:i], middle, *start[i + 1 :]], [error * (j == i) for j in range(3)])
+            for middle, error in middles_and_errors
         ]
         suffix = f", for some {name} within the error of the start"
         shown += "; {name} is between {low} and {high}, and one value between them touches".format(
             **source["free"]
         )
+    # Without a `rest` the columns enclose derivatives: by them `graze` shows that one start touches.
     motion, *others = [
-        begin(problem, *each, None if i == 0 < len(starts) - 1 else [])
-        for i, each in enumerate(starts)
+        begin(problem, start, errors, None if i == 0 < len(starts) - 1 else [])
+        for i, (start, errors) in enumerate(starts)
     ]
     check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
     motions = [motion]
@@ -914,7 +1001,7 @@ def trajectory(data, source, limits):
         if row["kind"] == "graze":
             others = []
         else:
-            others = [each.after_event(row) for each in others]
+            others = [other.after_event(row) for other in others]
         motions.append(motion)
     check(not others, "a graze that only one start has, and no graze is stated")
     motion.positive(arb(data["t_end"]).upper())
@@ -924,16 +1011,29 @@ def trajectory(data, source, limits):
         differentiated(problem, data, motions)
         suffix = f", with derivatives by {', '.join(data['wrt'])}"
         for i, row in enumerate(source["derivatives"], 1):
-            for name, (a, b), (c, d) in zip(data["wrt"], row["dt"], row["dx"], strict=True):
-                lines.append(f"{i}: {a} < dt/d{name} < {b}; {c} < dx/d{name} < {d}")
+            for name, of_t, of_x in zip(data["wrt"], row["dt"], row["dx"], strict=True):
+                t_low, t_high = of_t
+                x_low, x_high = of_x
+                lines.append(
+                    f"{i}: {t_low} < dt/d{name} < {t_high}; {x_low} < dx/d{name} < {x_high}"
+                )
     first = f"{count} event{'s' * (count != 1)} until t = {source['t_end']}{suffix}"
     return [first, shown, *table(source["events"]), *lines]
 
 
-def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
-    """Follow a box of t and x at the first event through all events in `rows`.
+class Period(NamedTuple):
+    """The motions of a box from event to event, the fixed point u of their map P from the centre of
+    the box, and D, which encloses the derivatives of P.
+    """
 
-    Return the motions, u and D.
+    motions: Any
+    u: Any
+    D: Any
+
+
+def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
+    """Follow a box of t and x at the first event through all events in `rows`, and return the
+    `Period`.
 
     Let P map t and x at the first event to those at the last, with t less by `turn`, the time of
     the periods. D encloses the Jacobian of P over the box `centre` +- `widths`; if centre + u is
@@ -951,10 +1051,12 @@ def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
     for row in rows[1:]:
         motions.append(motions[-1].after_event(row))
     last = motions[-1]
+    (t, x, _) = last.centre
     D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
-    moved = arb_mat([[last.centre[0] - turn - centre[0]], [last.centre[1] - centre[1]]])
+    moved = arb_mat([[t - turn - centre[0]], [x - centre[1]]])
     try:
-        return motions, (arb_mat([[1, 0], [0, 1]]) - D).solve(moved).entries(), D
+        u = (arb_mat([[1, 0], [0, 1]]) - D).solve(moved).entries()
+        return Period(motions, u, D)
     except ZeroDivisionError:
         raise Stop(OPEN, "1 - D, which may be singular") from None
 
@@ -986,43 +1088,23 @@ def settled(data, source, limits):
     motion.within(cycle[0])
 
     turn = 2 * data["periods"] * arb.pi() / arb(problem.p["Omega"])
-    centre, widths = (
-        [arb((cycle[0][name][1] + sign * cycle[0][name][0]) / 2) for name in "tx"]
-        for sign in (1, -1)
-    )
-    motions, u, D = period(problem, cycle, centre, widths, turn)
-    for motion, row in zip(motions[1:], cycle[1:], strict=True):
+    box = [cycle[0][name] for name in "tx"]
+    centre = [arb((high + low) / 2) for low, high in box]
+    widths = [arb((high - low) / 2) for low, high in box]
+    around = period(problem, cycle, centre, widths, turn)
+    for motion, row in zip(around.motions[1:], cycle[1:], strict=True):
         motion.within(row)
-    motion = motions[-1]
+    motion = around.motions[-1]
     inside(motion.t - turn, cycle[0]["t"])  # P(B) lies in B
     inside(motion.x, cycle[0]["x"])
 
-    n = len(cycle) - 1
-    k = data["count"] - len(events)
-    t_end = arb(data["t_end"])
-    check(k >= len(last), "a count of events that is not less than those stated")
-    for gone, sign in ((k, 1), (k + 1, -1)):
-        low, high = cycle[gone % n]["t"]
-        require(
-            sign * (t_end - arb(low).union(arb(high)) - gone // n * turn),
-            "so many events until t_end",
-        )
-
-    sums = [sum((abs(D[i, j]) * widths[j] for j in (0, 1)), arb(0)) / widths[i] for i in (0, 1)]
-    q = sums[0].max(sums[1]).upper()
-    require(1 - q, "a contraction in the norm of the box")
-    for back, row in enumerate(reversed(last)):
-        gone, j = divmod(k - back, n)
-        parts = [
-            each / width + 2 * q**gone * arb(0, 1) for each, width in zip(u, widths, strict=True)
-        ]
-        check(what(row) == what(cycle[j]), "the kinds of the last events")
-        t, x = motions[j].from_centre(parts)
-        inside(t + gone * turn, row["t"])
-        inside(x, row["x"])
+    on_cycle = data["count"] - len(events)
+    check(on_cycle >= len(last), "a count of events that is not less than those stated")
+    last_on_time(cycle, on_cycle, turn, arb(data["t_end"]))
+    last_on_cycle(cycle, last, on_cycle, turn, around, widths)
     first = (
-        f"{data['count']} events until t = {source['t_end']}, the last {k} of them on a cycle of "
-        f"{n}"
+        f"{data['count']} events until t = {source['t_end']}, the last {on_cycle} of them on a "
+        f"cycle of {len(cycle) - 1}"
     )
     lines = [
         line for name in ("events", "cycle", "last") for line in [f"{name}:", *table(source[name])]
@@ -1034,7 +1116,38 @@ def settled(data, source, limits):
     return [first, shown, *stuck, f"a cycle takes {data['periods']} forcing periods", *lines]
 
 
-def keeps(bias, swing, low, high):
+def last_on_time(cycle, on_cycle, turn, t_end):
+    """Raise Stop unless exactly `on_cycle` events of the motion on the cycle are before t_end."""
+    n = len(cycle) - 1
+    for number, sign in ((on_cycle, 1), (on_cycle + 1, -1)):
+        low, high = cycle[number % n]["t"]
+        require(
+            sign * (t_end - arb(low).union(arb(high)) - number // n * turn),
+            "so many events until t_end",
+        )
+
+
+def last_on_cycle(cycle, last, on_cycle, turn, around, widths):
+    """Raise Stop unless the events `last` are those that a contraction leads to (6 above)."""
+    sums = [
+        sum((abs(around.D[i, j]) * widths[j] for j in (0, 1)), arb(0)) / widths[i] for i in (0, 1)
+    ]
+    q = sums[0].max(sums[1]).upper()
+    require(1 - q, "a contraction in the norm of the box")
+    for back, row in enumerate(reversed(last)):
+        cycles, j = divmod(on_cycle - back, len(cycle) - 1)
+        # Where in the box of the first event: at the fixed point, up to 2 q^n of the half-widths.
+        factors = [
+            shift / width + 2 * q**cycles * arb(0, 1)
+            for shift, width in zip(around.u, widths, strict=True)
+        ]
+        check(what(row) == what(cycle[j]), "the kinds of the last events")
+        t, x = around.motions[j].from_centre(factors)
+        inside(t + cycles * turn, row["t"])
+        inside(x, row["x"])
+
+
+def keeps_sign(bias, swing, low, high):
     """Raise Stop unless s = bias + swing sin theta is > 0 for all phases theta from `low` to
     `high`.
     """
@@ -1045,8 +1158,8 @@ def keeps(bias, swing, low, high):
     for end in (low, high):
         require(arb(bias) + arb(swing) * end.sin(), "phases on the wrong side of a window's ends")
     turn = 2 * arb.pi()
-    least = arb.pi() * (3 if swing > 0 else 1) / 2
-    before = int(((low - least) / turn).mid().floor().unique_fmpz())
+    least = arb.pi() * (3 if swing > 0 else 1) / 2  # sin theta is -1 or 1 there
+    before = int(((low - least) / turn).mid().floor().unique_fmpz())  # whole turns from it to `low`
     outside = "a window with phases at which s is least"
     require(low - least - before * turn, outside)
     require(least + (before + 1) * turn - high, outside)
@@ -1058,56 +1171,20 @@ def window(data, source, limits):
     Return lines of text.
     """
     problem = StatedOscillator(data["parameters"], limits)
-    where = data["grazes"]
+    grazes = data["grazes"]
     ends = data["ends"]
     p = problem.p
     (belt, side) = {"P2": (1, 1), "P3": (1, -1), "P5": (2, 1), "P6": (2, -1)}[data["map"]]
     bias = side * p["k"] * p[f"v{belt}"]
     swing = side * p["B0"] * p["Omega"]
-    circle = (arb(0), 2 * arb.pi())
-    count = {"on an arc": 2, "everywhere but at one phase": 1}.get(where, 0)
+    count = {"on an arc": 2, "everywhere but at one phase": 1}.get(grazes, 0)
     check(len(ends) == count, "two ends of an arc, or one", BAD)
-    one = swing != 0 and abs(bias) == abs(
-        swing
-    )  # s = bias (1 -+ sin theta), 0 at one phase, of fourth order there
-    if where == "on an arc":
-        (a, b), (c, d) = ([arb(each) for each in end["phase"]] for end in ends)
-        for x, y in pairwise((a, b, c, d, a + 2 * arb.pi())):
-            require(y - x, "ends in another order")
-        keeps(bias, swing, b, c)
-        keeps(-bias, -swing, d, a + 2 * arb.pi())
-    elif one:
-        if data["order"] == "full":
-            above = "everywhere"
-        else:
-            above = "everywhere but at one phase"
-        if bias < 0:
-            right = "nowhere"
-        else:
-            right = above
-        check(where == right, "a window that is not so at the phase where s is 0, or elsewhere")
-    elif where == "nowhere" and not bias == swing == 0:
-        keeps(-bias, -swing, *circle)
-    elif where != "nowhere":
-        check(where == "everywhere", "a window that leaves out a phase at which nothing is special")
-        keeps(bias, swing, *circle)
+    grazing_phases(data, bias, swing)
     for end in ends:
-        (low, high) = [arb(each) for each in end["phase"]]
-        sine = end["sine"]
-        cosine = end["cosine"]
-        check(bias + swing * sine == 0, "an end where s is not 0")
-        require(1 - (high - low), "an enclosure of many phases")
-        if where == "on an arc":
-            check(cosine in (-1, 1), "an end where the derivative of s is 0")
-            require(cosine * low.union(high).cos(), "the cosine at an end")
-            require(cosine * (high.sin() - arb(sine)), "an end below its enclosure")
-            require(cosine * (arb(sine) - low.sin()), "an end above its enclosure")
-        else:
-            check(cosine == 0, "a phase where the derivative of s is 0")
-            inside((2 - arb(sine)) * arb.pi() / 2, end["phase"])
-    first = f"{data['map']} grazes {where}, order {data['order']}"
+        end_of_window(end, bias, swing, grazes == "on an arc")
+    first = f"{data['map']} grazes {grazes}, order {data['order']}"
     shown = source["ends"]
-    if where == "on an arc":
+    if grazes == "on an arc":
         balls = [arb(low).union(arb(high)) for low, high in (end["phase"] for end in ends)]
         first += " from {} to {}".format(
             *(phase.str(12, radius=phase.rad() > 1e-12) for phase in balls)
@@ -1118,6 +1195,60 @@ def window(data, source, limits):
         f"{i}: {end['phase'][0]} < theta < {end['phase'][1]}" for i, end in enumerate(shown, 1)
     ]
     return [f"{first}, for all phases", about(source["parameters"]), *phases]
+
+
+def grazing_phases(data, bias, swing):
+    """Raise Stop unless s = bias + swing sin theta is > 0 at the phases at which the file states
+    grazes, and < 0 at the others.
+    """
+    grazes = data["grazes"]
+    circle = (arb(0), 2 * arb.pi())
+    # s = bias (1 -+ sin theta) is 0 at one phase, of fourth order there
+    touches_0 = swing != 0 and abs(bias) == abs(swing)
+    if grazes == "on an arc":
+        # Enclosures of both ends: the arc is from the first one to the second.
+        first, second = ([arb(phase) for phase in end["phase"]] for end in data["ends"])
+        again = first[0] + 2 * arb.pi()
+        for x, y in pairwise((*first, *second, again)):
+            require(y - x, "ends in another order")
+        keeps_sign(bias, swing, first[1], second[0])
+        keeps_sign(-bias, -swing, second[1], again)
+    elif touches_0:
+        if data["order"] == "full":
+            above = "everywhere"
+        else:
+            above = "everywhere but at one phase"
+        if bias < 0:
+            right = "nowhere"
+        else:
+            right = above
+        check(grazes == right, "a window that is not so at the phase where s is 0, or elsewhere")
+    elif grazes == "nowhere" and not bias == swing == 0:
+        keeps_sign(-bias, -swing, *circle)
+    elif grazes != "nowhere":
+        check(
+            grazes == "everywhere", "a window that leaves out a phase at which nothing is special"
+        )
+        keeps_sign(bias, swing, *circle)
+
+
+def end_of_window(end, bias, swing, of_arc):
+    """Raise Stop unless s = bias + swing sin theta has its zero at the phase that an end states."""
+    (low, high) = [arb(phase) for phase in end["phase"]]
+    sine = end["sine"]
+    cosine = end["cosine"]
+    check(bias + swing * sine == 0, "an end where s is not 0")
+    require(1 - (high - low), "an enclosure of many phases")
+    if of_arc:
+        # sin theta - sine has one sign change between `low` and `high`, where cos has one sign.
+        check(cosine in (-1, 1), "an end where the derivative of s is 0")
+        require(cosine * low.union(high).cos(), "the cosine at an end")
+        require(cosine * (high.sin() - arb(sine)), "an end below its enclosure")
+        require(cosine * (arb(sine) - low.sin()), "an end above its enclosure")
+    else:
+        check(cosine == 0, "a phase where the derivative of s is 0")
+        # sine is 1 or -1, at pi/2 or 3 pi/2
+        inside((2 - arb(sine)) * arb.pi() / 2, end["phase"])
 
 
 KINDS = {"trajectory": trajectory, "settled": settled, "window": window}
@@ -1159,31 +1290,32 @@ def prove(data, limits):
         more = ""
     check(kind in KINDS, f"{kind[:20]!r}: of that kind this checker proves none.{more}", BAD)
     source = {
-        key: each
-        for key, each in data.items()
+        key: entry
+        for key, entry in data.items()
         if key not in ("format", "kind", "proven", "message", "made_by")
     }
-    if data.get("starts") == "some":
-        some = "some"
+    # A trajectory has another shape with "some" of the starts or with derivatives.
+    if kind != "trajectory":
+        shape = SHAPES[kind]
+    elif data.get("starts") == "some":
+        shape = SHAPES["some"]
     elif "wrt" in data:
-        some = "derivatives"
+        shape = SHAPES["derivatives"]
     else:
-        some = kind
-    shape = SHAPES[some if kind == "trajectory" else kind]
-    counted = sum(len(each) for each in source.values() if type(each) is list)
+        shape = SHAPES["trajectory"]
+    counted = sum(len(entry) for entry in source.values() if type(entry) is list)
     check(counted <= limits["events"], f"more than {limits['events']} events and boxes (--events)")
     content = read(source, shape, kind)
     limits["left"] = limits["steps"]
     lines = None
-    if kind == "trajectory" and not any(content["start_error"]):
-        most = 4096
-    else:
-        most = 2048
+    is_exact = kind == "trajectory" and not any(content["start_error"])
+    most_bits = MOST_BITS_IF_EXACT if is_exact else MOST_BITS
     while not lines:
         try:
             lines = KINDS[kind](content, source, limits)
         except Stop as stop:
-            if stop.args[0] != OPEN or ctx.prec >= most:
+            code = stop.args[0]
+            if code != OPEN or ctx.prec >= most_bits:
                 raise
             ctx.prec *= 2
     check(
@@ -1201,10 +1333,10 @@ def judge(data, **limits):
         try:
             return 0, "proven: " + "\n  ".join(prove(data, LIMITS | limits))
         except Stop as stop:
-            code = stop.args[0] or FALSE
-            return code, " ".join(
-                f"{'no certificate' if code == BAD else 'not proven'}: {stop.args[1]}".split()
-            )
+            code, text = stop.args
+            code = code or FALSE  # OPEN is 0, the exit code of what is proven
+            verdict = "no certificate" if code == BAD else "not proven"
+            return code, " ".join(f"{verdict}: {text}".split())
         except (ValueError, LookupError, TypeError, ArithmeticError, RecursionError) as error:
             return (
                 BAD,

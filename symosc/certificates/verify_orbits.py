@@ -132,9 +132,20 @@ BOX_BITS = 64
 MOST_BOX_PARTS = 1024
 BOX_NEWTON_STEPS = 12
 NEAR = 1e-14
+MOST_CHANGE = 10
+MOST_TUBES = 4
 MOST_CUTS = 16
 MOST_TURNS = 1000
 SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
+
+
+class StatedEvent(NamedTuple):
+    """An event of a file: its kind, its belt, and the numbers of the modes before and after it."""
+
+    kind: str
+    belt: int
+    source: int
+    target: int
 
 
 def end_of_branch(value, where):
@@ -161,7 +172,7 @@ def border_points(value, where):
     except (AttributeError, LookupError, TypeError, ValueError):
         points = [()]
     check(
-        all(len(each) == 2 and abs(sum(each)) < 1e99 for each in points),
+        all(len(point) == 2 and abs(sum(point)) < 1e99 for point in points),
         f"{where}: the points of a border",
         BAD,
     )
@@ -206,33 +217,36 @@ base.SHAPES["atlas"] = {
 
 
 def course(data):
-    """Prove that an orbit's events follow each other and have its word.
-
-    Return (kind, belt, source, target) of each.
-    """
+    """Prove that an orbit's events follow each other and have its word; return them."""
     rows = data["events"]
     check(
         0 < data["periods"] < 10_000 and len(rows) > 2,
         "a number of periods, and three events at least",
         BAD,
     )
-    found = [tuple(base.what(row)) for row in rows]
-    for before, (kind, belt, source, target) in pairwise([found[-2], *found]):
-        if source > 3:
+    events = [StatedEvent(*base.what(row)) for row in rows]
+    # The last event is the first one again, so that the last but one is before the first.
+    for before, event in pairwise([events[-2], *events]):
+        if event.source > 3:
             made = "slip"
-        elif target > 3:
+        elif event.target > 3:
             made = "stick"
         else:
             made = "cross"
-        near = source != target and {source, target} <= {belt, belt + 1, belt + 3}
-        check(near and (kind, source) == (made, before[3]), "events that do not follow each other")
-    check(found[0] == found[-1], "a last event that is not the first one again")
-    labels = [LABELS.get((belt, mode, after[1])) for (_, belt, _, mode), after in pairwise(found)]
+        modes_at_belt = {event.belt, event.belt + 1, event.belt + 3}
+        near = event.source != event.target and {event.source, event.target} <= modes_at_belt
+        follows = (event.kind, event.source) == (made, before.target)
+        check(near and follows, "events that do not follow each other")
+    check(events[0] == events[-1], "a last event that is not the first one again")
+    labels = [
+        LABELS.get((event.belt, event.target, after.belt)) for event, after in pairwise(events)
+    ]
+    # A word is read from the right, and may begin with any of its labels.
     word = data["word"]
     shown = "".join(map(str, reversed(labels)))
     right = word[:1] == "P" and len(word) == len(shown) + 1 and word[1:] in shown * 2
     check(right, f"the word {word[:40]!r}, of events that say {shown[:40]}")
-    return found
+    return events
 
 
 def least(events, periods, apart):
@@ -243,13 +257,13 @@ def least(events, periods, apart):
     """
     n = len(events) - 1
     for q in range(2, periods + 1):
-        if periods % q == n % q == 0 and all(
-            events[i] == events[(i + n // q) % n] for i in range(n)
-        ):
-            less = periods // q
+        # A period 1/q as long must have the same events again after 1/q of them.
+        is_whole = periods % q == n % q == 0
+        if is_whole and all(events[i] == events[(i + n // q) % n] for i in range(n)):
+            shorter = periods // q
             check(
-                apart(n // q, less),
-                f"that the least period is {periods} forcing periods, not {less}",
+                apart(n // q, shorter),
+                f"that the least period is {periods} forcing periods, not {shorter}",
                 OPEN,
             )
 
@@ -258,11 +272,12 @@ def eigenvalues(T, d):
     """Return real and imaginary parts of both eigenvalues of a matrix with trace T and determinant
     d, largest first.
     """
+    # They are T/2 +- the root of `square`, imaginary where that is < 0.
     zero = arb(0)
     square = T * T / 4 - d
     if d.is_zero():
         return (T, zero), (zero, zero)
-    if not abs(square) > 0:
+    if not abs(square) > 0:  # its sign is undecided
         root = abs(square).upper().sqrt()
         around = root.union(-root)
         return ((T / 2 + around, around),) * 2
@@ -293,29 +308,29 @@ def orbit(data, source, limits):
     right = min(data["alone_within"]) > 0 <= min(row["reach"] for row in rows)
     check(right, "alone_within, or reach out of range", BAD)
     centre = [arb(sum(rows[0][name]) / 2) for name in "tx"]
-    widths = [arb(each) for each in data["alone_within"]]
-    whole = list(zip(centre, widths, strict=True))
+    widths = [arb(width) for width in data["alone_within"]]
+    stated_box = list(zip(centre, widths, strict=True))
     for scale in (fmpq(1), SMALL, SMALL**2):  # the box stated, and one or two in it
-        spare = [row["reach"] * scale for row in rows]
-        wide = [
-            row | {"t": (row["t"][0] - by, row["t"][1] + by)}
-            for row, by in zip(rows, spare, strict=True)
-        ]
-        motions, u, D = base.period(
-            problem, wide, centre, widths, turn, base.VerifiedMotion if scale == 1 else Within
-        )
-        for each, width, c, (about, most) in zip(u, widths, centre, whole, strict=True):
-            require(width - abs(each), "that an orbit is in the box, and only one")
-            check(scale == 1 or abs(c - about) + width < most, "a smaller box in the other", OPEN)
-        if scale < SMALL or (scale < 1 and all(each.rad() < KNOWN for each in D.entries())):
+        # The events of all starts in the box, not only of the orbit, are within `reach` of it.
+        wide = []
+        for row in rows:
+            reach = row["reach"] * scale
+            low, high = row["t"]
+            wide.append(row | {"t": (low - reach, high + reach)})
+        motion_kind = base.VerifiedMotion if scale == 1 else Within
+        motions, u, D = base.period(problem, wide, centre, widths, turn, motion_kind)
+        for shift, width, c, (middle, most) in zip(u, widths, centre, stated_box, strict=True):
+            require(width - abs(shift), "that an orbit is in the box, and only one")
+            check(scale == 1 or abs(c - middle) + width < most, "a smaller box in the other", OPEN)
+        are_known = all(entry.rad() < KNOWN for entry in D.entries())
+        if scale < SMALL or (scale < 1 and are_known):
             break
-        root = [c + each for c, each in zip(centre, u, strict=True)]
-        centre = [each.mid() for each in root]
-        widths = [(2 * each.rad()).mid() for each in root]
-    parts = [each / width for each, width in zip(u, widths, strict=True)]
-    points = [
-        motion.from_centre(parts) for motion in motions
-    ]  # of the fixed point, by the derivatives
+        root = [c + shift for c, shift in zip(centre, u, strict=True)]
+        centre = [coordinate.mid() for coordinate in root]
+        widths = [(2 * coordinate.rad()).mid() for coordinate in root]
+    # Where the fixed point is at each event, by the derivatives.
+    factors = [shift / width for shift, width in zip(u, widths, strict=True)]
+    points = [motion.from_centre(factors) for motion in motions]
     for (t, x), row in zip(points, rows, strict=True):
         inside(t, row["t"])
         inside(x, row["x"])
@@ -331,7 +346,7 @@ def orbit(data, source, limits):
     least(events, periods, apart)
     T = D[0, 0] + D[1, 1]
     d = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
-    if any(row["kind"] == "stick" for row in rows):
+    if any(row["kind"] == "stick" for row in rows):  # where the time alone says what follows
         d = arb(0)
     for (re, im), ends in zip(eigenvalues(T, d), data["multipliers"], strict=True):
         inside(re, ends["re"])
@@ -349,8 +364,8 @@ def orbit(data, source, limits):
     )
     first += " {} in t and {} in x".format(*source["alone_within"])
     shown = [
-        f"multiplier: {' .. '.join(each['re'])} + i ({' .. '.join(each['im'])})"
-        for each in source["multipliers"]
+        f"multiplier: {' .. '.join(ends['re'])} + i ({' .. '.join(ends['im'])})"
+        for ends in source["multipliers"]
     ]
     return [first, base.about(source["parameters"]), *base.table(source["events"]), *shown]
 
@@ -400,7 +415,7 @@ def times_i(value):
 def real(value):
     """Return the real part of a complex ball or series."""
     if isinstance(value, acb_series):
-        return arb_series([each.real for each in value], prec=value.prec)
+        return arb_series([entry.real for entry in value], prec=value.prec)
     return value.real
 
 
@@ -408,25 +423,47 @@ def entire(b, z):
     """Return the hypergeometric function 0F1(b; z) of a ball or a power series z."""
     if isinstance(z, arb | acb):
         return z.hypgeom_0f1(b)
+    # Taylor's series about the constant term; the derivative of 0F1(b; z) is 0F1(b + 1; z)/b.
     kind: Any = type(z)
-    change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
-    for j in range(z.prec):  # by its derivative 0F1(b + 1; z)/b
+    change = kind([0, *list(z)[1:]], prec=z.prec)
+    total = kind([0], prec=z.prec)
+    factor = kind([1], prec=z.prec)  # change^j / (b (b + 1) ... (b + j - 1) j!)
+    for j in range(z.prec):
         total = total + factor * z[0].hypgeom_0f1(b + j)
         factor = factor * change / ((b + j) * (j + 1))
     return total
 
 
+class Frequency(NamedTuple):
+    """Whether w^2 = (c/(2m))^2 - k/m is > 0, the root w of |w^2|, and whether w may be 0 or
+    nearly.
+    """
+
+    is_overdamped: bool
+    w: Any
+    is_nearly_0: bool
+
+
+class Driven(NamedTuple):
+    """The motions S and Z of 8 at a time, and their derivatives S1 and Z1."""
+
+    S: Any
+    S1: Any
+    Z: Any
+    Z1: Any
+
+
 class BallOscillator:
     """The oscillator with balls or series as parameters.
 
-    H = c/(2m), and A has the constant force in each domain.
+    h = c/(2m), and A has the constant force in each domain; belts, jump and A begin at index 1.
     """
 
     def __init__(self, q):
         self.m, self.c, self.k, A0, self.B0, self.Om, *belts, mu1, mu2, FN = (
-            q[each] for each in base.NAMES
+            q[name] for name in base.NAMES
         )
-        self.A = [A0 + each * FN for each in (0, mu1 + mu2, mu2 - mu1, -mu1 - mu2)]
+        self.A = [A0 + mu * FN for mu in (0, mu1 + mu2, mu2 - mu1, -mu1 - mu2)]
         self.belts = [None, *belts]
         self.jump = [None, *(2 * mu * FN / self.m for mu in (mu1, mu2))]
         self.h = self.c / (2 * self.m)
@@ -446,35 +483,29 @@ class BallOscillator:
 
     @cached_property
     def frequency(self):
-        """Return whether w^2 = (c/(2m))^2 - k/m is > 0, the root of |w^2|, and whether that root
-        may be 0 or nearly.
-        """
-        over = coefficient(self.square) > 0
-        w = (self.square if over else -self.square).sqrt()
-        return over, w, not coefficient(w) > 32 * coefficient(w).rad()
+        """Return what the motion without drive does: `Frequency`."""
+        is_overdamped = coefficient(self.square) > 0
+        w = (self.square if is_overdamped else -self.square).sqrt()
+        is_surely_not_0 = coefficient(w) > 32 * coefficient(w).rad()
+        return Frequency(is_overdamped, w, not is_surely_not_0)
 
     def free(self, s):
         """Return C and S at a time s: a motion without drive or friction is y(s) = y(0) C + (y'(0)
         + h y(0)) S.
         """
         decay = (-self.h * s).exp()
-        (over, w, critical) = self.frequency
-        if critical:
+        if self.frequency.is_nearly_0:  # cosh(w s) and sinh(w s)/w without a division by w
             z = self.square * s * s / 4
             return decay * entire(arb(0.5), z), decay * s * entire(arb(1.5), z)
-        ws = w * s
-        if over:
+        ws = self.frequency.w * s
+        if self.frequency.is_overdamped:
             up = ws.exp()
             down = (-ws).exp()
-        else:
-            up = ws
-            down = ws
-        if over:
             sine = (up - down) / 2
             cosine = (up + down) / 2
         else:
             sine, cosine = ws.sin_cos()
-        return decay * cosine, decay * sine / w
+        return decay * cosine, decay * sine / self.frequency.w
 
     @cached_property
     def roots(self):
@@ -496,7 +527,8 @@ class BallOscillator:
             are close.
             """
             half = (a - b) * s / 2
-            if abs(half[0] if isinstance(half, acb_series) else half) > 1:
+            constant = half[0] if isinstance(half, acb_series) else half
+            if abs(constant) > 1:  # the division loses nothing
                 return ((a * s).exp() - (b * s).exp()) / (a - b)
             return s * ((a + b) * s / 2).exp() * entire(acb(1.5), half * half / 4)
 
@@ -504,14 +536,12 @@ class BallOscillator:
         second = X(other, drive)
         difference = first_root - other
         S = X(first_root, other)
+        # The derivative of X(a, b) with respect to s is exp(a s) + b X(a, b), as X(a, b) = X(b, a),
+        # and exp(b s) + a X(a, b): in Z1 the terms exp(i Omega s) of both cancel.
         S1 = (first_root * s).exp() + other * S
-        # The derivative of X(a, b) with respect to s is exp(b s) + a X(a, b).
-        return (
-            real(S),
-            real(S1),
-            (first - second) / difference,
-            (first_root * first - other * second) / difference,
-        )
+        Z = (first - second) / difference
+        Z1 = (first_root * first - other * second) / difference
+        return Driven(real(S), real(S1), Z, Z1)
 
     def longest_part(self):
         """Return a time that is surely shorter than half a period of the free motion."""
@@ -529,7 +559,7 @@ class Inequality(NamedTuple):
     text: str
     kind: str
     f: Callable[..., Any]
-    order: int = 0  # which derivative of f is not 0 at the start
+    order: int = 0  # of the first derivative of f that is not 0 at the start
     zero: bool = False  # whether f is 0 at the end
     during: bool = False  # whether f is > 0 all the time between them
 
@@ -543,29 +573,28 @@ def positive(margin, until, problem):
     order = margin.order
     while True:
         problem.step()
-        last = not a + step < until
-        if last:
+        is_last = not a + step < until
+        if is_last:
             b = until
         else:
             b = (a + step).mid()
-        m = ((a + b) / 2).mid()
-        T = a.union(b)
+        middle = ((a + b) / 2).mid()
         h = ((b - a) / 2).upper()
-        middle = margin.f(m)
-        around = margin.f(T)
-        slope = middle[1] + around[2] * arb(0, 1) * h
-        if last and margin.zero:
-            sure = slope < 0 and not order
+        f, slope, _ = margin.f(middle)
+        _, _, bend = margin.f(a.union(b))  # f'' from a to b
+        slopes = slope + bend * arb(0, 1) * h  # f' from a to b
+        if is_last and margin.zero:
+            sure = slopes < 0 and not order
         else:
-            check(not middle[0] < 0, margin.text)
-            sure = middle[0] - abs(middle[1]) * h - abs(around[2]) * h * h / 2 > 0
-            sure = sure or (slope > 0 and (order or a > 0))  # f was > 0 at a, or 0 at the start
-            sure = sure or (order and around[2] > 0)  # f' >= 0 at the start, by the forces there
-        if sure and last:
+            check(not f < 0, margin.text)
+            sure = f - abs(slope) * h - abs(bend) * h * h / 2 > 0
+            sure = sure or (slopes > 0 and (order or a > 0))  # f was > 0 at a, or 0 at the start
+            sure = sure or (order and bend > 0)  # f' >= 0 at the start, by the forces there
+        if sure and is_last:
             return
         if sure:
             a = b
-            order = 0
+            order = 0  # f > 0 where the next step starts
             step = step * 3 / 2
         else:
             step = h
@@ -579,12 +608,12 @@ def in_parts(prove, whole, most, what):
     """
     parts = [whole]
     count = 0
-    found = None
+    result = None
     while parts:
         part = parts.pop()
         count = count + 1
         try:
-            found = prove(part)
+            result = prove(part)
         except (
             Stop,
             ZeroDivisionError,
@@ -592,16 +621,16 @@ def in_parts(prove, whole, most, what):
         ) as stop:  # the latter two: a ball or a series may be 0
             check(not isinstance(stop, Stop) or stop.args[0] == OPEN, str(stop.args[-1]))
             check(count < most, what)
-            sides = [
+            # Halve the side that is the largest share of the whole one.
+            shares = [
                 (high - low) / (b - a) for (low, high), (a, b) in zip(part, whole, strict=True)
             ]
-            i = sides.index(max(sides))
-            middle = sum(part[i]) / 2
-            parts += [
-                (*part[:i], side, *part[i + 1 :])
-                for side in ((middle, part[i][1]), (part[i][0], middle))
-            ]
-    return found
+            i = shares.index(max(shares))
+            low, high = part[i]
+            middle = (low + high) / 2
+            for side in ((middle, high), (low, middle)):
+                parts.append((*part[:i], side, *part[i + 1 :]))
+    return result
 
 
 # -- branches --------------------------------------------------------------------------------------
@@ -618,16 +647,18 @@ class CheckedPiece:
         self.t = t
         self.x = x
         self.v = e.belts[belt]
+        # By the domain or belt where the mode ends: the sign of F or of v less the belt's speed.
         self.ends = {belt: 1, belt + 1: -1}
         if mode < 4:
             self.a = self.force(mode, 0, t)[0]
         else:
             self.a = arb(0)
-        # a later start is one with another x and v
+        # A start that is later by `late` is one at t with another x and v.
         self.x = x - self.v * late
         self.v = self.v - self.a * late
         if mode < 4:
             self.ends = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}
+            # y = x less the steady motion, and its derivatives at the start
             (a, b) = e.steady
             sine, cosine = (e.Om * t).sin_cos()
             self.y = self.x - e.A[mode] / e.k - a * cosine - b * sine
@@ -641,20 +672,17 @@ class CheckedPiece:
         (C, S) = self.e.free(s)
         e = self.e
         sine, cosine = (e.Om * t).sin_cos()
-        u = a * cosine + b * sine
-        w = e.Om * (b * cosine - a * sine)
+        # The steady motion less its constant, and its velocity.
+        steady_x = a * cosine + b * sine
+        steady_v = e.Om * (b * cosine - a * sine)
         square = e.Om * e.Om
+        # dy solves the same equation as y, which says the third derivative of y too.
         y = C * self.y + S * (self.dy + e.h * self.y)
-        dy, ddy = (
-            C * self.dy + S * (self.ddy + e.h * self.dy),
-            C * self.ddy - S * (e.km * self.dy + e.h * self.ddy),
-        )
-        return (
-            e.A[self.mode] / e.k + u + y,
-            w + dy,
-            ddy - square * u,
-            -2 * e.h * ddy - e.km * dy - square * w,
-        )
+        dy = C * self.dy + S * (self.ddy + e.h * self.dy)
+        ddy = C * self.ddy - S * (e.km * self.dy + e.h * self.ddy)
+        x = e.A[self.mode] / e.k + steady_x + y
+        jerk = -2 * e.h * ddy - e.km * dy - square * steady_v
+        return x, steady_v + dy, ddy - square * steady_x, jerk
 
     def force(self, domain, s, t):
         """Return F, F' and F'' at the time t, a time s after the start.
@@ -671,13 +699,11 @@ class CheckedPiece:
         there where f = 0.
         """
         if self.mode > 3:
-            first, *others = self.force(end, s, self.t + s)
+            derivatives = self.force(end, s, self.t + s)
         else:
-            first, *others = self.at(s, self.t + s)[1:]
-        return [
-            self.ends[end] * each
-            for each in (first if self.mode > 3 else first - self.e.belts[end], *others)
-        ]
+            _, v, slope, bend = self.at(s, self.t + s)
+            derivatives = v - self.e.belts[end], slope, bend
+        return [self.ends[end] * derivative for derivative in derivatives]
 
 
 class ClosingEvents:
@@ -694,52 +720,51 @@ class ClosingEvents:
 
     def piece(self, i, u, late=0):
         """Return the motion from event i, begun `late` later, its duration, and when it ends, from
-        the unknowns u.
+        the unknowns u = (t_0, x_0, t_1, ...).
         """
+        t = u[2 * i]
+        x = u[2 * i + 1]
         if i + 1 < self.count:
             until = u[2 * i + 2]
         else:
             until = u[0] + self.turn
-        t = u[2 * i]
-        return (
-            CheckedPiece(self.e, self.events[i][3], self.events[i][1], t, u[2 * i + 1], late),
-            until - t,
-            until,
-        )
+        event = self.events[i]
+        piece = CheckedPiece(self.e, event.target, event.belt, t, x, late)
+        return piece, until - t, until
 
     def residual(self, i, u, late=0):
         """Return two residuals of the motion from event i (begun `late` later): of x, and of v or,
         after a stick, F.
         """
         (piece, s, until) = self.piece(i, u, late)
-        (_, belt, _, target) = self.events[i + 1]
-        sticks = piece.mode > 3
-        onto = u[(2 * i + 3) % len(u)]
-        if sticks:
+        event = self.events[i + 1]
+        next_x = u[(2 * i + 3) % len(u)]
+        if piece.mode > 3:
             x = piece.x + piece.v * s
-            f = piece.force(target, s, until)[0]
-        else:
-            x, f = piece.at(s, until)[:2]
-        return x - onto, f if sticks else f - self.e.belts[belt]
+            F, _, _ = piece.force(event.target, s, until)
+            return x - next_x, F
+        x, v, _, _ = piece.at(s, until)
+        return x - next_x, v - self.e.belts[event.belt]
 
     def r(self, u):
         """Return the residuals of all pieces at the unknowns u = (t_0, x_0, t_1, ...).
 
         They are 0 on an orbit.
         """
-        return [each for i in range(self.count) for each in self.residual(i, u)]
+        return [residual for i in range(self.count) for residual in self.residual(i, u)]
 
     def jacobian(self, u):
         """Return the derivatives of r with respect to u, as the first coefficients of power series."""
         J = arb_mat(len(u), len(u))
         for i in range(self.count):
+            # The residuals of a piece depend on t and x at both its ends alone.
             for j in (j % len(u) for j in range(2 * i, 2 * i + 4)):
-                if j == 2 * i:
-                    moved = u
+                if j == 2 * i:  # t at its start: `late` moves x and v instead, and keeps t a ball
+                    residuals = self.residual(i, u, arb_series([0, 1], prec=2))
                 else:
                     moved = [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]]
-                parts = self.residual(i, moved, arb_series([0, 1], prec=2) if j == 2 * i else 0)
-                J[2 * i, j], J[2 * i + 1, j] = (coefficient(each, 1) for each in parts)
+                    residuals = self.residual(i, moved)
+                J[2 * i, j], J[2 * i + 1, j] = (coefficient(value, 1) for value in residuals)
         return J
 
     def margins(self, i, u):
@@ -747,69 +772,97 @@ class ClosingEvents:
         the next one.
         """
         (piece, s, _) = self.piece(i, u)
-        ((made, belt, source, mode), after) = self.events[i : i + 2]
-        around = pairwise([self.events[i - 1 - (not i)], *self.events[i : i + 2]])
-        previous, label = (f"P{LABELS[a[1], a[3], b[1]]}" for a, b in around)
-        if mode > 3:
+        event, after = self.events[i : i + 2]
+        # The last event is the first one again: before event 0 comes the last but one.
+        before = self.events[i - 1] if i else self.events[-2]
+        previous = f"P{LABELS[before.belt, before.target, event.belt]}"
+        label = f"P{LABELS[event.belt, event.target, after.belt]}"
+        if event.target > 3:
             kind = "vanishing of a stick"
-        elif source > 3:
+        elif event.source > 3:
             kind = "vanishing of a slip"
         else:
             kind = "vanishing of a flight"
-        found = [Inequality(f"{label} lasts", kind, lambda _: (s, arb(0), arb(0)))]
-        signs = {"stick": (1, -1), "slip": ()}.get(made, (1, 1) if mode > source else (-1, -1))
-        for domain, sign in zip((belt, belt + 1), signs, strict=False):
-            F = sign * piece.force(domain, 0, piece.t)[0], arb(0), arb(0)
-            text = f"F^({domain}) {'<>'[sign > 0]} 0 where {previous} ends"
-            far = domain != source and coefficient(self.e.jump[belt]) > 0
-            if not far:
+        lasts = Inequality(f"{label} lasts", kind, lambda _: (s, arb(0), arb(0)))
+        margins = [lasts, *self.forces_at(piece, event, previous)]
+        for end, side in piece.ends.items():
+            f = partial(piece.f, end)
+            if event.target > 3:
+                text = f"F^({end}) {'<>'[side > 0]} 0 during {label}"
+                is_end = end == after.target
+                margins.append(Inequality(text, "birth of a slip", f, zero=is_end, during=True))
+                continue
+            # On the belt where the flight starts f = 0 and, after a stick, f' = 0 too.
+            if end != event.belt:
+                order = 0
+            elif event.source > 3:
+                order = 2
+            else:
+                order = 1
+            first = f(arb(0))[order]
+            if first > 0:
                 kind = "grazing"
-            elif mode > 3:
+            elif order == 2 and first < 0:
+                kind = "vanishing of a slip"
+            else:
+                kind = ""
+            text = f"v {'<>'[side > 0]} v{end} during {label}"
+            margins.append(Inequality(text, kind, f, order, zero=end == after.belt, during=True))
+        return margins
+
+    def forces_at(self, piece, event, previous):
+        """Return the inequalities of F on both sides of the belt at an event, which say what
+        follows; `previous` is the label that ends there.
+        """
+        if event.kind == "slip":  # F = 0 at the end of a stick
+            return []
+        if event.kind == "stick":
+            signs = (1, -1)
+        elif event.target > event.source:
+            signs = (1, 1)
+        else:
+            signs = (-1, -1)
+        margins = []
+        for domain, sign in zip((event.belt, event.belt + 1), signs, strict=True):
+            F, _, _ = piece.force(domain, 0, piece.t)
+            forces = sign * F, arb(0), arb(0)
+            text = f"F^({domain}) {'<>'[sign > 0]} 0 where {previous} ends"
+            is_behind = domain != event.source and coefficient(self.e.jump[event.belt]) > 0
+            if not is_behind:
+                kind = "grazing"
+            elif event.target > 3:
                 kind = "birth of a slip"
             else:
                 kind = "birth of a stick"
-            found.append(Inequality(text, kind, lambda _, F=F: F))
-        for end, side in piece.ends.items():
-            f = partial(piece.f, end)
-            if mode > 3:
-                text = f"F^({end}) {'<>'[side > 0]} 0 during {label}"
-                found.append(
-                    Inequality(text, "birth of a slip", f, zero=end == after[3], during=True)
-                )
-            else:
-                order = (1 + (source > 3)) * (end == belt)
-                first = f(arb(0))[order]
-                if first > 0:
-                    kind = "grazing"
-                elif order == 2 and first < 0:
-                    kind = "vanishing of a slip"
-                else:
-                    kind = ""
-                text = f"v {'<>'[side > 0]} v{end} during {label}"
-                found.append(Inequality(text, kind, f, order, end == after[1], True))
-        return found
+            margins.append(Inequality(text, kind, lambda _, forces=forces: forces))
+        return margins
 
     def prove(self, u, stable, problem):
         """Prove all margins for all unknowns in u and, if `stable`, that the multipliers are inside
         the unit circle.
         """
+        # The derivatives of t and x after a period by those at its start, and their determinant d.
         period = arb_mat([[1, 0], [0, 1]])
-        D = arb(1)
+        d = arb(1)
         J = self.jacobian(u)
         for i in range(self.count):
             piece, s, until = self.piece(i, u)
             for margin in self.margins(i, u):
                 positive(margin, s.upper(), problem)
+            # J has the derivatives of this piece's residuals by t and x at its start and its end.
             rows = [[J[j, (2 * i + k) % len(u)] for k in range(4)] for j in (2 * i, 2 * i + 1)]
-            start, end = (arb_mat([row[k : k + 2] for row in rows]) for k in (0, 2))
-            D *= (
-                (-2 * self.e.h * s).exp()
-                * piece.a
-                / (1 if piece.mode > 3 else piece.at(s, until)[2])
-            )
-            period = -end.solve(start) * period
-        for margin in (1 - abs(D), 1 + D - abs(period.trace())) if stable else ():
-            require(margin, "stable")
+            by_start = arb_mat([row[:2] for row in rows])
+            by_end = arb_mat([row[2:] for row in rows])
+            # Liouville: the flow contracts (x, v) by exp(-c s/m); dv = v' dt on a belt at both ends.
+            if piece.mode > 3:
+                slope_at_end = 1
+            else:
+                _, _, slope_at_end, _ = piece.at(s, until)
+            d *= (-2 * self.e.h * s).exp() * piece.a / slope_at_end
+            period = -by_end.solve(by_start) * period
+        if stable:
+            for margin in (1 - abs(d), 1 + d - abs(period.trace())):
+                require(margin, "stable")
 
 
 class OrbitFamily:
@@ -825,32 +878,33 @@ class OrbitFamily:
         check(len(row["t"]) == len(row["x"]) == len(events), "t and x at each event", BAD)
         ends = [pair for both in zip(row["t"], row["x"], strict=True) for pair in both]
         p = problem.p
-        fixed = {each: arb(p[each]) for each in base.NAMES}
-        name = data["parameter"]
+        fixed = {name: arb(p[name]) for name in base.NAMES}
+        parameter = data["parameter"]
         periods = data["periods"]
         self.course = lambda value: ClosingEvents(
-            events, periods, BallOscillator(fixed | {name: value})
+            events, periods, BallOscillator(fixed | {parameter: value})
         )
-        self.box = [arb(a).union(arb(b)) for a, b in ends[:-2]]
-        self.middle, every, c = (
-            arb((low + high) / 2),
-            arb(low).union(arb(high)),
-            column(self.box).mid(),
-        )
+        self.box = [arb(a).union(arb(b)) for a, b in ends[:-2]]  # the last event is the first again
+        self.middle = arb((low + high) / 2)
+        every = arb(low).union(arb(high))
         thin = self.course(self.middle)
         self.all = self.course(every)
         change = every - self.middle
+        c = column(self.box).mid()
         for _ in range(NEWTON_STEPS):  # it finds c and proves nothing
             self.Y = thin.jacobian(c.entries()).mid().inv().mid()
             c = (c - self.Y * column(thin.r(c.entries()))).mid()
+        # The next coefficient of the curve cancels that of r(curve): Y r changes by it.
         curve = [c]
         for order in range(1, ORDER):
-            rest = self.coefficients(self.middle, [*curve, 0 * c], order + 1)[-1]
-            curve.append(-(self.Y * rest).mid())
+            uncancelled = self.coefficients(self.middle, [*curve, 0 * c], order + 1)[-1]
+            curve.append(-(self.Y * uncancelled).mid())
         self.YJ = self.Y * self.all.jacobian(self.box)
+        # The curve about any value of the parameter, for Taylor's remainder r_n (5 above).
         moved = [[comb(k, j) * curve[k] for k in range(j, ORDER)] for j in range(ORDER)]
-        last = self.coefficients(every, [horner(rows, change) for rows in moved], ORDER + 1)[-1]
-        r = horner([*self.coefficients(self.middle, curve, ORDER), last], change)
+        about_every = [horner(rows, change) for rows in moved]
+        remainder = self.coefficients(every, about_every, ORDER + 1)[-1]
+        r = horner([*self.coefficients(self.middle, curve, ORDER), remainder], change)
         self.points = self.newton(horner(curve, change), r)
         self.curve = curve
         self.within(row, self.points, self.all)
@@ -860,25 +914,23 @@ class OrbitFamily:
         unknowns, about `value`.
         """
         ctx.cap = max(ctx.cap, count)
-        points = [
-            arb_series(list(each), prec=count)
-            for each in zip(*(row.entries() for row in curve), strict=True)
-        ]
-        r = self.course(arb_series([value, 1], prec=count)).r(points)
-        return [column([each[j] for each in r]) for j in range(count)]
+        by_unknown = zip(*(vector.entries() for vector in curve), strict=True)
+        u = [arb_series(list(orders), prec=count) for orders in by_unknown]
+        r = self.course(arb_series([value, 1], prec=count)).r(u)
+        return [column([residual[order] for residual in r]) for order in range(count)]
 
     def newton(self, c, r):
         """Prove that `c` is in the box stated.
 
         Return c - J^-1 r (r: the residuals there), which contains the root.
         """
-        for each, whole in zip(c.entries(), self.box, strict=True):
-            require(arb(whole.rad()) - abs(each - whole.mid()), "a curve in the box")
+        for value, side in zip(c.entries(), self.box, strict=True):
+            require(arb(side.rad()) - abs(value - side.mid()), "a curve in the box")
         return (c - self.YJ.solve(self.Y * r)).entries()
 
     def root(self, value):
-        """Return an enclosure of the root at one value of the parameter, and the equations (a
-        Course) there.
+        """Return an enclosure of the root at one value of the parameter, and the equations
+        (`ClosingEvents`) there.
         """
         c = horner(self.curve, arb(value) - self.middle).mid()
         course = self.course(arb(value))
@@ -904,11 +956,12 @@ class OrbitFamily:
 def family(problem, data, events, row, part):
     """Prove the orbits of a row of a branch for all parameter values in a part of the row's range.
 
-    Return a Family.
+    Return the OrbitFamily. `part` has one side, as `in_parts` wants it.
     """
-    found = OrbitFamily(problem, data, events, row, *part[0])
-    found.all.prove(found.points, data["stable"], problem)
-    return found
+    ((low, high),) = part
+    orbits = OrbitFamily(problem, data, events, row, low, high)
+    orbits.all.prove(orbits.points, data["stable"], problem)
+    return orbits
 
 
 def fails(problem, data, events, end, row):
@@ -920,13 +973,12 @@ def fails(problem, data, events, end, row):
     kind = end["kind"]
     for i in range(course.count):
         after = at - u[2 * i]
-        s = course.piece(i, u)[1]
+        _, s, _ = course.piece(i, u)
         for margin in course.margins(i, u):
-            if (
-                margin.text == end["inequality"]
-                and margin.f(after)[0] < 0
-                and (not margin.during or 0 < after < s)
-            ):
+            if margin.text != end["inequality"]:
+                continue
+            is_in_time = not margin.during or 0 < after < s
+            if margin.f(after)[0] < 0 and is_in_time:
                 check(
                     margin.kind == kind,
                     f"an end that is a {kind[:40]!r}, and not a {margin.kind or 'consequence'}",
@@ -1022,10 +1074,12 @@ class Flight:
 
     def __init__(self, piece, at, slips, stick):
         (self.belt, self.mode, self.onto) = piece
+        # The indices in the unknowns of its phase and of its duration; x is between them, unless
+        # the flight `slips`, that is follows a stick.
         self.at = at
+        self.tau = at + 2 - slips
         self.slips = slips
         self.stick = stick
-        self.tau = at + 2 - slips
         if self.mode > self.onto:
             self.side = 1
         else:
@@ -1043,16 +1097,15 @@ class Flight:
         """Return x, v and v' of a flight of the oscillator `e`, a time s after its start, from the
         unknowns u.
         """
-        x = self.start(e, u)
-        v = e.belts[self.belt]
         A = e.A[self.mode]
         phase = u[self.at]
+        start_v = e.belts[self.belt]
+        from_centre = self.start(e, u) - A / e.k
         (S, S1, Z, Z1) = e.driven(s)
-        turn = times_i(phase).exp() * lifted(e.B0 / e.m)
-        y = x - A / e.k
-        there = A / e.k + y * (S1 + 2 * e.h * S) + v * S + real(turn * Z)
-        speed = v * S1 - e.km * S * y + real(turn * Z1)
-        return there, speed, (A + e.B0 * (phase + e.Om * s).cos() - e.k * there - e.c * speed) / e.m
+        drive = times_i(phase).exp() * lifted(e.B0 / e.m)
+        x = A / e.k + from_centre * (S1 + 2 * e.h * S) + start_v * S + real(drive * Z)
+        v = start_v * S1 - e.km * S * from_centre + real(drive * Z1)
+        return x, v, (A + e.B0 * (phase + e.Om * s).cos() - e.k * x - e.c * v) / e.m
 
     def end(self, e, u):
         """Return the phase at the end of a flight of the oscillator `e`, from the unknowns u of the
@@ -1061,57 +1114,68 @@ class Flight:
         return u[self.at] + e.Om * u[self.tau]
 
     def parts(self, e, u):
-        """Split a flight back to its belt at the zeros of q.
-
-        Return (q > 0, begin, end) of each part, or None.
-
-        The distance g from the belt solves m g'' + c g' + k g = q.
+        """Return the parts of a flight back to its belt between the zeros of q (12 above); None if
+        the zeros or the signs of q are undecided.
         """
         phase = u[self.at]
         end = self.end(e, u)
-        found = []
+        parts = []
         turns = [turning(e, self.belt, n) for n in between(e, self.belt, phase, end)]
         if not all(phase < turn < end for turn in turns):
             return None
         times = [arb(0), *((turn - phase) / e.Om for turn in turns), u[self.tau]]
         for (a, b), ends in zip(pairwise([phase, *turns, end]), pairwise(times), strict=True):
-            place = ((a + b) / 2).mid()
-            q = -self.side * (e.k * e.belts[self.belt] + e.B0 * e.Om * place.sin())
-            if not (a < place < b and abs(q) > 0):
+            # q has one sign between two zeros: its value in the middle shows it.
+            middle = ((a + b) / 2).mid()
+            q = -self.side * (e.k * e.belts[self.belt] + e.B0 * e.Om * middle.sin())
+            if not (a < middle < b and abs(q) > 0):
                 return None
-            found.append((q > 0, *ends))
-        return found
+            parts.append(PartOfFlight(q > 0, *ends))
+        return parts
 
     def stays_off(self, e, u, cuts):
-        """Return whether a flight back to its belt surely stays off it until its end, if it is off
-        it at all `cuts`.
+        """Return whether a flight back to its belt surely stays off it until its end, if all margins
+        at the `cuts` are > 0 (12 above).
         """
-        found = self.parts(e, u)
-        most = e.longest_part()
-        at = [(u[self.tau] * part, reach) for part, reach in cuts]
-        if found is None:
+        parts = self.parts(e, u)
+        longest = e.longest_part()
+        unused = [(u[self.tau] * share, reach) for share, reach in cuts]
+        if parts is None:
             return False
-        for i, (up, a, b) in enumerate(found):
-            here = [each for each in at if each[0] < b]
-            at = [each for each in at if not each[0] < b]
-            if not all(a < mark for mark, _ in here):
+        for i, part in enumerate(parts):
+            inside_part = [(time, reach) for time, reach in unused if time < part.end]
+            unused = [(time, reach) for time, reach in unused if not time < part.end]
+            times = [time for time, _ in inside_part]
+            if not all(part.begin < time for time in times):
                 return False
-            if not up:
-                spans = [y - x for x, y in pairwise([a, *(mark for mark, _ in here), b])]
-                if not all(0 < span < most for span in spans):
+            if not part.rises:
+                # q < 0: g > 0 between two points of it that are near enough (Polya).
+                spans = [later - time for time, later in pairwise([part.begin, *times, part.end])]
+                if not all(0 < span < longest for span in spans):
                     return False
                 continue
+            # q > 0: g > 0 up to `until`, by its start with g = 0 and by the reach of each cut ...
             if i == 0:
-                until = a + most
+                until = part.begin + longest
             else:
-                until = a
-            for mark, reach in here:
-                if not (mark - reach < until and 2 * reach < most):
+                until = part.begin
+            for time, reach in inside_part:
+                if not (time - reach < until and 2 * reach < longest):
                     return False
-                until = mark + reach
-            if not until > (b - most if i + 1 == len(found) else b):
+                until = time + reach
+            # ... and for some time before its end with g = 0.
+            needed = part.end - longest if i + 1 == len(parts) else part.end
+            if not until > needed:
                 return False
-        return not at
+        return not unused
+
+
+class PartOfFlight(NamedTuple):
+    """A part of a flight between two zeros of q: whether q > 0, and the times of its ends."""
+
+    rises: bool
+    begin: Any
+    end: Any
 
 
 def turning(e, belt, n):
@@ -1133,44 +1197,52 @@ def between(e, belt, low, high):
     first = (low / arb.pi()).lower().floor() - 1
     last = (high / arb.pi()).upper().ceil() + 1
     check(last - first < MOST_TURNS, "few turns in a piece", OPEN)
-    all_of = range(int(float(first)), int(float(last)) + 1)
-    return [n for n in all_of if not turning(e, belt, n) < low and not turning(e, belt, n) > high]
+    numbers = range(int(float(first)), int(float(last)) + 1)
+    turns = [(n, turning(e, belt, n)) for n in numbers]
+    return [n for n, phase in turns if not phase < low and not phase > high]
 
 
-def marks(parts, most):
-    """Choose where in a flight with these `parts` to show that it is off its belt.
+def marks(parts, longest):
+    """Return the cuts of a flight with these `parts`: the shares of its duration at which to show
+    that it is off its belt, and the reach of each.
 
-    `most` is its `longest_part`.
+    `longest` is the `longest_part` of the oscillator.
     """
-    most = 0.95 * float(most)
-    tau = float(parts[-1][2])
-    found = []
-    spare = 2 * max(float(b.rad()) for _, _, b in parts) + tau / 500
-    for i, (up, *ends) in enumerate(parts):
-        a, b = map(float, ends)
-        if up:
-            a = a + most * (i == 0)
-            b = b - most * (i + 1 == len(parts))
-        else:
-            a = a
-            b = b
-        if up:
+    usable = 0.95 * float(longest)
+    tau = float(parts[-1].end)
+    cuts = []
+    # Reaches must overlap although shares are rounded below and parts end at balls of times.
+    spare = 2 * max(float(part.end.rad()) for part in parts) + tau / 500
+    for i, part in enumerate(parts):
+        a = float(part.begin)
+        b = float(part.end)
+        if part.rises:
+            # Near the start and the end of the flight g = 0 there shows that g > 0.
+            a = a + usable * (i == 0)
+            b = b - usable * (i + 1 == len(parts))
             if a < b:
-                count = int(4 * (b - a) / most) + 1
+                count = int(4 * (b - a) / usable) + 1
             else:
                 count = 0
         else:
-            count = int((b - a) / most)
+            count = int((b - a) / usable)
         count = min(count, MOST_CUTS + 1)  # else there are too many
-        if up:
+        if part.rises:  # in the middle of equal spans, each reaching over its own
             step = (b - a) / max(count, 1)
-        else:
+            cuts += [(a + (j + 0.5) * step, 0.52 * step + spare) for j in range(count)]
+        else:  # between equal spans
             step = (b - a) / (count + 1)
-        found += [
-            (a + (j + (0.5 if up else 1)) * step, 0.52 * step + spare if up else 0.0)
-            for j in range(count)
-        ]
-    return [(round(at / tau * 512) / 512, reach) for at, reach in found]
+            cuts += [(a + (j + 1) * step, 0.0) for j in range(count)]
+    return [(round(time / tau * 512) / 512, reach) for time, reach in cuts]
+
+
+class Plan(NamedTuple):
+    """Where the margins of a word are evaluated: the turns of the forces in the stick after each
+    flight, and the cuts of each flight (None: short steps instead).
+    """
+
+    turns: Any
+    cuts: Any
 
 
 class LabelCycle:
@@ -1186,31 +1258,32 @@ class LabelCycle:
         )
         pieces = [PIECES[int(digit) - 1] for digit in reversed(digits)]
         check(any(mode < 4 for _, mode, _ in pieces), f"{what}, which has no flight", BAD)
-        while pieces[0][1] > 3:
+        while pieces[0][1] > 3:  # begin with a flight
             pieces = pieces[1:] + pieces[:1]
         for (_, mode, end), (start, after, _) in zip(pieces, pieces[1:] + pieces[:1], strict=True):
-            near = {mode, after} <= {start, start + 1, start + 3} and mode != after
+            modes_at_belt = {start, start + 1, start + 3}
+            near = {mode, after} <= modes_at_belt and mode != after
             check(end == start and near, f"{what}, whose maps do not follow each other", BAD)
         self.text = text
         self.count = len(pieces)
         half = len(pieces) // 2
         modes = [mode for _, mode, _ in pieces]
+        # If the second half is the mirror image of the first, only the first is followed.
         self.half = (
             len(modes) % 2 == 0 and [mirror.get(mode) for mode in modes[:half]] == modes[half:]
         )
         self.alone = mirror.get(1) != 3  # one belt is at rest, and v = 0 divides the modes
         self.flights = []
-        self.rows = []
-        self.size = 0
+        self.rows = []  # of each flight: the number of its piece
+        self.size = 0  # how many unknowns there are
         for i in range(half if self.half else self.count):
             if modes[i] < 4:
                 slips = modes[i - 1] > 3
-                follows = modes[(i + 1) % self.count] > 3
-                self.flights.append(
-                    Flight(
-                        pieces[i], self.size, slips, modes[(i + 2) % self.count] if follows else 0
-                    )
-                )
+                if modes[(i + 1) % self.count] > 3:
+                    stick = modes[(i + 2) % self.count]
+                else:
+                    stick = 0
+                self.flights.append(Flight(pieces[i], self.size, slips, stick))
                 self.rows.append(i)
                 self.size += 3 - slips
 
@@ -1219,13 +1292,15 @@ class LabelCycle:
         check(
             len(row["phases"]) == len(row["x"]) == self.count, "a phase and an x at each event", BAD
         )
-        phases = [float(arb(each)) for each in row["phases"]]
-        found = []
+        phases = [float(arb(phase)) for phase in row["phases"]]
         phases.append(phases[0] + 2 * float(arb.pi()))
+        u = []
         for flight, i in zip(self.flights, self.rows, strict=True):
-            found += [phases[i]] + ([] if flight.slips else [float(arb(row["x"][i]))])
-            found.append((phases[i + 1] - phases[i]) / Om)
-        return [arb(each) for each in found]
+            u.append(phases[i])
+            if not flight.slips:
+                u.append(float(arb(row["x"][i])))
+            u.append((phases[i + 1] - phases[i]) / Om)
+        return [arb(unknown) for unknown in u]
 
     def next(self, e, i, u):
         """Return phase and x at the start of the flight after flight i, for the oscillator `e` and
@@ -1233,6 +1308,7 @@ class LabelCycle:
         """
         if i + 1 < len(self.flights):
             return u[self.flights[i + 1].at], self.flights[i + 1].start(e, u)
+        # The first flight again, a period later, or its image about A0/k = (A1 + A3)/(2 k).
         x = self.flights[0].start(e, u)
         if self.half:
             return (u[0] + arb.pi(), (e.A[1] + e.A[3]) / e.k - x)
@@ -1240,48 +1316,57 @@ class LabelCycle:
 
     def r(self, e, u, plan=None):
         """Return the residuals r of oscillator `e` at unknowns u and, with a `plan` of turns and
-        cuts, the margins.
+        cuts, the margins (11 above).
+
+        This sets `looks`: by the number of a margin at a cut, the number of its flight.
         """
-        # the margins by which a flight is looked at, and its number
-        found = []
+        residuals = []
         margins = []
         self.looks = {}
         for i, flight in enumerate(self.flights):
             s = u[flight.tau]
-            (phase, x) = self.next(e, i, u)
-            v = e.belts[flight.onto]
+            (next_phase, next_x) = self.next(e, i, u)
+            speed = e.belts[flight.onto]
             end = flight.end(e, u)
-            there, speed, F = flight.after(e, u, s)
+            x, v, F = flight.after(e, u, s)
             if not flight.stick:
-                found += [speed - v, there - x, end - phase]
+                residuals += [v - speed, x - next_x, end - next_phase]
             else:
-                found += [speed - v, there + v * ((phase - end) / e.Om) - x]
+                residuals += [v - speed, x + speed * ((next_phase - end) / e.Om) - next_x]
             if plan is None:
                 continue
             meets = -flight.side * F
             jump = e.jump[flight.onto]
             margins += [s, meets, jump - meets if flight.stick else meets - jump]
             if flight.stick:
-                if flight.stick == flight.onto:
-                    sign = 1
-                else:
-                    sign = -1
-                margins += [(phase - end) / e.Om, sign * (e.k * v + e.B0 * e.Om * phase.sin())]
-                for n in plan[0][i]:
-                    turn = turning(e, flight.onto, n)
-                    force = (
-                        sign
-                        * (e.B0 * (turn.cos() - phase.cos()) + e.k * v * (phase - turn) / e.Om)
-                        / e.m
-                    )
-                    margins += [force, jump - force]
-            for part, reach in plan[1][i] or ():
-                _, at, slope = flight.after(e, u, s * part)
+                margins += self.stick_margins(e, flight, end, next_phase, plan.turns[i])
+            for share, reach in plan.cuts[i] or ():
+                _, v_at_cut, slope = flight.after(e, u, s * share)
+                # The solution y with q = 0 of 12, at both ends of its reach, or g itself.
                 for later in (reach, -reach) if reach else (0.0,):
                     S, S1, _, _ = e.driven(arb(later))
                     self.looks[len(margins)] = i
-                    margins.append(flight.side * ((at - v) * (S1 + 2 * e.h * S) + slope * S))
-        return found, margins
+                    y = (v_at_cut - speed) * (S1 + 2 * e.h * S) + slope * S
+                    margins.append(flight.side * y)
+        return residuals, margins
+
+    def stick_margins(self, e, flight, begin, end, turns):
+        """Return the margins of the stick after a flight, between the phases `begin` and `end`: it
+        lasts, the force that ends it falls there, and both forces hold at the `turns`.
+        """
+        if flight.stick == flight.onto:
+            sign = 1
+        else:
+            sign = -1
+        v = e.belts[flight.onto]
+        jump = e.jump[flight.onto]
+        margins = [(end - begin) / e.Om, sign * (e.k * v + e.B0 * e.Om * end.sin())]
+        for n in turns:
+            turn = turning(e, flight.onto, n)
+            # The force is 0 at the end of the stick: its value at a turn is its change from there.
+            force = sign * (e.B0 * (turn.cos() - end.cos()) + e.k * v * (end - turn) / e.Om) / e.m
+            margins += [force, jump - force]
+        return margins
 
     def plan(self, e, u):
         """Return, for the unknowns `u`, the turns of the forces in each stick and each flight's
@@ -1290,40 +1375,39 @@ class LabelCycle:
         turns = list[Any]()
         cuts = list[Any]()
         for i, flight in enumerate(self.flights):
-            after = self.next(e, i, u)[0]
-            turns.append(between(e, flight.onto, flight.end(e, u), after) if flight.stick else [])
+            next_phase, _ = self.next(e, i, u)
+            if flight.stick:
+                turns.append(between(e, flight.onto, flight.end(e, u), next_phase))
+            else:
+                turns.append([])
+            parts = None
             if flight.belt == flight.onto:
-                found = flight.parts(e, u)
-            else:
-                found = None
-            if found:
-                chosen = marks(found, e.longest_part())
-            else:
-                chosen = []
-            cuts.append(None if found is None or len(chosen) > MOST_CUTS else chosen)
-        return turns, cuts
+                parts = flight.parts(e, u)
+            cuts_of_flight = None
+            if parts is not None:
+                cuts_of_flight = marks(parts, e.longest_part())
+                if len(cuts_of_flight) > MOST_CUTS:
+                    cuts_of_flight = None
+            cuts.append(cuts_of_flight)
+        return Plan(turns, cuts)
 
     def stays(self, e, u, plan, problem):
         """Prove that no flight meets a belt before its end, for all unknowns in u, if all margins
         are > 0.
         """
-        for flight, cuts in zip(self.flights, plan[1], strict=True):
+        for flight, cuts in zip(self.flights, plan.cuts, strict=True):
             near = {flight.mode - 1, flight.mode} & {1, 2}
             sides = {belt: (1 if flight.mode > belt else -1, e.belts[belt]) for belt in near}
-            if (
-                self.half and self.alone and flight.mode != 2
-            ):  # the mirror image is between both belts
+            # The mirror image, with -v, is then between both belts.
+            if self.half and self.alone and flight.mode != 2:
                 if flight.mode == 1:
                     other = 2
                 else:
                     other = 1
                 sides[other] = -flight.side, -e.belts[other]
             for belt, (side, speed) in sides.items():
-                if (
-                    belt == flight.belt == flight.onto
-                    and cuts is not None
-                    and flight.stays_off(e, u, cuts)
-                ):
+                returns = belt == flight.belt == flight.onto
+                if returns and cuts is not None and flight.stays_off(e, u, cuts):
                     continue
 
                 def f(s, flight=flight, side=side, speed=speed):
@@ -1377,31 +1461,35 @@ class Box:
             start = self.wide
         else:
             start = self.middle
-        e = self.plane(
-            [
-                arb_series([b, h * i], prec=count)
-                for b, h, i in zip(start, self.half, side, strict=True)
-            ]
-        )
-        u = [
-            arb_series(list(each), prec=count)
-            for each in zip(*(row.entries() for row in rows), strict=True)
+        values = [
+            arb_series([begin, half * component], prec=count)
+            for begin, half, component in zip(start, self.half, side, strict=True)
         ]
+        e = self.plane(values)
+        by_unknown = zip(*(vector.entries() for vector in rows), strict=True)
+        u = [arb_series(list(orders), prec=count) for orders in by_unknown]
         r, margins = self.word.r(e, u, plan)
-        return [self.Y * column([each[k] for each in r]) for k in range(count)], margins
+        orders = [self.Y * column([residual[order] for residual in r]) for order in range(count)]
+        return orders, margins
 
     def columns(self, e, u, plan=None):
         """Return for each unknown the derivatives by it of the residuals r and, given a `plan`, of
         the margins.
         """
-        found = []
+        derivatives = []
         u = u.entries()
         ctx.cap = 2
         self.problem.step(len(u) * len(self.word.flights) // 2)
         for j in range(len(u)):
-            parts = self.word.r(e, [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]], plan)
-            found.append([[coefficient(each, 1) for each in part] for part in parts])
-        return found
+            moved = [*u[:j], arb_series([u[j], 1], prec=2), *u[j + 1 :]]
+            residuals, margins = self.word.r(e, moved, plan)
+            derivatives.append(
+                (
+                    [coefficient(residual, 1) for residual in residuals],
+                    [coefficient(margin, 1) for margin in margins],
+                )
+            )
+        return derivatives
 
     def newton(self):
         """Find the unknowns u of the orbit at the box's middle, the Jacobian J, and Y near its
@@ -1409,14 +1497,16 @@ class Box:
         """
         e = self.plane(self.middle)
         for _ in range(BOX_NEWTON_STEPS):
-            self.J = arb_mat([column[0] for column in self.columns(e, self.u)]).transpose()
+            derivatives = self.columns(e, self.u)
+            self.J = arb_mat([of_residuals for of_residuals, _ in derivatives]).transpose()
             self.Y = self.J.mid().inv().mid()
-            step = (self.Y * column(self.word.r(e, self.u.entries())[0])).mid()
-            if all(abs(each) < NEAR for each in step.entries()):
+            residuals, _ = self.word.r(e, self.u.entries())
+            step = (self.Y * column(residuals)).mid()
+            if all(abs(change) < NEAR for change in step.entries()):
                 return  # J is that at u
             self.u = (self.u - step).mid()
             check(
-                all(abs(each) < 10 for each in step.entries()),
+                all(abs(change) < MOST_CHANGE for change in step.entries()),
                 "a root at the middle of a box",
                 OPEN,
             )
@@ -1426,103 +1516,126 @@ class Box:
         """Prove that for all places d in the box the word has one orbit, whose unknowns are near a
         polynomial u(d).
         """
-        word, p, second, thin, d, zero = (
-            self.word,
-            [arb(0)] * self.word.size,
-            [],
-            [],
-            arb(0, 1),
-            arb(0),
-        )
+        word = self.word
+        zero = arb(0)
+        place = arb(0, 1)
+        # u(d) = u + a d_1 + b d_2 + aa d_1^2 + ab d_1 d_2 + bb d_2^2 cancels r_1 and r_2, and `p`
+        # bounds what rounding leaves of Y r_0, Y r_1 and Y r_2 (10 above).
+        p = [arb(0)] * word.size
+        bends = []
+        lines = []
         a, b = (-self.series(side, [self.u], 2)[0][1].mid() for side in SIDES[:2])
         for i, j in SIDES[:3]:
-            thin.append([self.u, i * a + j * b])
-            r, _ = self.series((i, j), thin[-1], 3)
-            second.append(-r[2].mid())
-            for part in (r[0], r[1], r[2] + self.Y * (self.J * second[-1])):
-                p = [each + 3 * abs(more) for each, more in zip(p, part.entries(), strict=True)]
-        aa = second[0]
-        bb = second[1]
-        ab = second[2] - second[0] - second[1]
-        u = self.u + d * (a + d * aa + d * ab) + d * (b + d * bb)
+            line = [self.u, i * a + j * b]
+            lines.append(line)
+            (order_0, order_1, order_2), _ = self.series((i, j), line, 3)
+            bend = -order_2.mid()
+            bends.append(bend)
+            for values in (order_0, order_1, order_2 + self.Y * (self.J * bend)):
+                # 3 times suffices: on the box a form is at most |aa| + |both - aa - bb| + |bb|.
+                p = [
+                    total + 3 * abs(value) for total, value in zip(p, values.entries(), strict=True)
+                ]
+        aa, bb, both = bends
+        ab = both - aa - bb
+        u = self.u + place * (a + place * aa + place * ab) + place * (b + place * bb)
 
         def slopes(i, j):
             """Return first and second Taylor coefficients of u(d) in the direction (i, j), for all
             d in the box.
             """
-            first = i * (a + 2 * d * aa + d * ab) + j * (b + 2 * d * bb + d * ab)
+            first = i * (a + 2 * place * aa + place * ab) + j * (b + 2 * place * bb + place * ab)
             return first, i * i * aa + j * j * bb + i * j * ab
 
-        e = self.plane(self.wide)
         cubes = []
-        bends = []
-        plan = word.plan(e, u.entries())
+        bends_of_margins = []
+        plan = word.plan(self.plane(self.wide), u.entries())
         for side in SIDES:
-            r, margins = self.series(side, [u, *slopes(*side)], 4, True, plan)
-            cubes.append(r[3])
-            bends.append([coefficient(each, 2) for each in margins])
-        A, D, both, apart = cubes
-        form = A, (both - apart) / 2 - D, (both + apart) / 2 - A, D
-        parts = zip(p, *(each.entries() for each in form), strict=True)
-        p = [(each + sum(map(abs, more), zero)).upper() for each, *more in parts]
+            orders, margins = self.series(side, [u, *slopes(*side)], 4, True, plan)
+            cubes.append(orders[3])
+            bends_of_margins.append([coefficient(margin, 2) for margin in margins])
+        # The form A d_1^3 + B d_1^2 d_2 + C d_1 d_2^2 + D d_2^3 has along the SIDES the values A,
+        # D, A + B + C + D and A - B + C - D.
+        A, D, plus, minus = cubes
+        form = A, (plus - minus) / 2 - D, (plus + minus) / 2 - A, D
+        parts = zip(p, *(cube.entries() for cube in form), strict=True)
+        p = [(total + sum(map(abs, values), zero)).upper() for total, *values in parts]
         tube = self.contract(p, u, [slopes(*side)[0] for side in SIDES[:2]])
-        around = u + column([arb(0, by) for by in tube])
+        around = u + column([arb(0, radius) for radius in tube])
+        self.prove_margins(around, tube, plan, lines, bends_of_margins)
+
+    def prove_margins(self, around, tube, plan, lines, bends):
+        """Prove all margins for the unknowns `around` u(d), by Taylor's theorem of order 2.
+
+        `tube` has their greatest distance from u(d), `lines` the unknowns along both sides from the
+        middle, `bends` the terms of order 2 of the margins along the SIDES.
+        """
+        word = self.word
+        zero = arb(0)
+        e = self.plane(self.wide)
         same = all(
             set(new) <= set(old)
-            for new, old in zip(word.plan(e, around.entries())[0], plan[0], strict=True)
+            for new, old in zip(word.plan(e, around.entries()).turns, plan.turns, strict=True)
         )
         check(same, "which turns are in a stick", OPEN)
-        by_u = [column[1] for column in self.columns(e, around, plan)]
-        lines = [
+        by_u = [of_margins for _, of_margins in self.columns(e, around, plan)]
+        along_a, along_b = (
             self.series(side, rows, 2, False, plan)[1]
-            for side, rows in zip(SIDES[:2], thin, strict=False)
-        ]
-        for i, (one, other) in enumerate(zip(*lines, strict=True)):
-            bend = [each[i] for each in bends[:3]]
-            least = coefficient(one) - abs(coefficient(one, 1)) - abs(coefficient(other, 1))
-            least += bend[0].min(zero) + bend[1].min(zero) - abs(bend[2] - bend[0] - bend[1])
-            least -= sum((abs(column[i]) * by for column, by in zip(by_u, tube, strict=True)), zero)
+            for side, rows in zip(SIDES[:2], lines, strict=False)
+        )
+        for i, (by_a, by_b) in enumerate(zip(along_a, along_b, strict=True)):
+            bend_a, bend_b, bend_both = (of_margins[i] for of_margins in bends[:3])
+            least = coefficient(by_a) - abs(coefficient(by_a, 1)) - abs(coefficient(by_b, 1))
+            least += bend_a.min(zero) + bend_b.min(zero) - abs(bend_both - bend_a - bend_b)
+            off_surface = zip(by_u, tube, strict=True)
+            least -= sum((abs(slopes[i]) * radius for slopes, radius in off_surface), zero)
             if i in word.looks and not least > 0:
-                plan[1][word.looks[i]] = None  # by short steps, then
+                plan.cuts[word.looks[i]] = None  # by short steps, then
                 continue
-            check(
-                least > 0, "an inequality of a word in a box", OPEN
-            )  # smaller boxes may decide it
+            # Smaller boxes may decide it.
+            check(least > 0, "an inequality of a word in a box", OPEN)
         word.stays(e, around.entries(), plan, self.problem)
 
     def contract(self, p, u, slopes):
         """Return how far, for each unknown, a root is from u(d) at most, for all places d in the
         box (Krawczyk).
         """
-        size = range(self.word.size)
-        tube = [arb(1.1) * each for each in p]
-        sizes = zip(*(each.entries() for each in slopes), tube, strict=True)
-        scales = [max((abs(a).upper(), abs(b).upper(), t), key=float).mid() for a, b, t in sizes]
-        units = [column([scales[j] if i == j else arb(0) for i in size]) for j in size]
-        for _ in range(4):
-            tube = [(arb(1.15) * each).mid() for each in tube]
-            near = column([arb(0, by) for by in tube])
-            at = [
-                (self.Y * column(part[0])).entries()
-                for part in self.columns(self.plane(self.middle), self.u + near)
-            ]
+        indices = range(self.word.size)
+        tube = [arb(1.1) * bound for bound in p]
+        # Slopes along unit vectors are taken `scales` long, as long as those of u(d): what cancels
+        # in `mixed` is then of one size.
+        sizes = zip(*(slope.entries() for slope in slopes), tube, strict=True)
+        scales = [
+            max((abs(by_a).upper(), abs(by_b).upper(), radius), key=float).mid()
+            for by_a, by_b, radius in sizes
+        ]
+        units = [column([scales[j] if i == j else arb(0) for i in indices]) for j in indices]
+        for _ in range(MOST_TUBES):
+            tube = [(arb(1.15) * radius).mid() for radius in tube]
+            near = column([arb(0, radius) for radius in tube])
+            # N[j][i] bounds entry (i, j) of 1 - Y J: first at the middle of the box ...
+            derivatives = self.columns(self.plane(self.middle), self.u + near)
+            at_middle = [(self.Y * column(by_u)).entries() for by_u, _ in derivatives]
             N = [
-                [abs(arb(int(i == j)) - each) for i, each in enumerate(row)]
-                for j, row in enumerate(at)
+                [abs(arb(int(i == j)) - entry) for i, entry in enumerate(row)]
+                for j, row in enumerate(at_middle)
             ]
+            # ... then its change along both sides: the mixed terms of r by the side and unknown j,
+            # from the squares of sums of two directions.
             alone = [self.squares((0, 0), u + near, unit) for unit in units]
             for side, slope in zip(SIDES[:2], slopes, strict=False):
                 own = self.squares(side, u + near, slope)
                 for j, unit in enumerate(units):
                     mixed = self.squares(side, u + near, slope + unit) - own - alone[j]
                     N[j] = [
-                        x + abs(y) / scales[j] for x, y in zip(N[j], mixed.entries(), strict=True)
+                        bound + abs(change) / scales[j]
+                        for bound, change in zip(N[j], mixed.entries(), strict=True)
                     ]
             image = (column(p) + arb_mat(N).transpose() * column(tube)).entries()
-            if all(each < by for each, by in zip(image, tube, strict=True)):
+            if all(moved < radius for moved, radius in zip(image, tube, strict=True)):
                 return tube
-            tube = [each.upper() for each in image]
-            if not all(each < 10 for each in tube):
+            tube = [moved.upper() for moved in image]
+            if not all(radius < MOST_CHANGE for radius in tube):
                 break
         raise Stop(OPEN, "one root for all parameters of a box")
 
@@ -1534,16 +1647,14 @@ class Box:
 
 
 def rests(p, over, box):
-    """Prove that the mass may rest on a belt for all parameters of a box: v = 0 and mu FN >= |B0|.
-
-    |.
-    """
+    """Prove that the mass may rest on a belt for all parameters of a box: v = 0 and mu FN >= |B0|."""
     ends = {name: (p[name], p[name]) for name in base.NAMES} | dict(zip(over, box, strict=True))
-    drive = max(abs(each) for each in ends["B0"])
-    holds = (
-        ends["v" + belt] == (0, 0) and ends["mu" + belt][0] * ends["FN"][0] >= drive
-        for belt in "12"
-    )
+    drive = max(abs(end) for end in ends["B0"])
+    least_FN, _ = ends["FN"]
+    holds = []
+    for belt in "12":
+        least_mu, _ = ends["mu" + belt]
+        holds.append(ends["v" + belt] == (0, 0) and least_mu * least_FN >= drive)
     check(any(holds), "that the mass may rest on a belt")
 
 
@@ -1551,17 +1662,20 @@ def check_disjoint(boxes):
     """Prove that no two boxes overlap: a vertical line moves across, and the boxes that it cuts are
     compared.
     """
-    events = sorted((box[0][side], side == 0, i) for i, box in enumerate(boxes) for side in (0, 1))
-    there = list[Any]()
-    for _, begins, i in events:
-        low, high = boxes[i][1]
-        at = bisect_left(there, (low, high, i))
+    # Where the line reaches both an end and a beginning of boxes, the end is first: False < True.
+    ends = []
+    for i, ((left, right), _) in enumerate(boxes):
+        ends += [(left, True, i), (right, False, i)]
+    cut = list[Any]()  # sorted, and without overlaps: neighbours are enough to compare with
+    for _, begins, i in sorted(ends):
+        _, (low, high) = boxes[i]
+        at = bisect_left(cut, (low, high, i))
         if not begins:
-            del there[at]
+            del cut[at]
             continue
-        for low_of, high_of, _ in there[max(at - 1, 0) : at + 1]:
+        for low_of, high_of, _ in cut[max(at - 1, 0) : at + 1]:
             check(high_of <= low or high <= low_of, "boxes that overlap")
-        insort(there, (low, high, i))
+        insort(cut, (low, high, i))
 
 
 def clear(boxes, points, whole):
@@ -1574,7 +1688,10 @@ def clear(boxes, points, whole):
         (left, right), (low, high) = (
             (float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True)
         )
-        for x, y in points[bisect_right(points, (left, inf)) : bisect_left(points, (right,))]:
+        # The points are sorted by x.
+        first = bisect_right(points, (left, inf))
+        end = bisect_left(points, (right,))
+        for x, y in points[first:end]:
             check(not low < y < high, f"a border at {x:.6g}, {y:.6g}, in a box of one word")
 
 
@@ -1589,6 +1706,11 @@ def mirror_of(p, over):
         if not free and p[f"v{belt}"] == 0 == p[f"mu{other}"]:
             return {belt: belt + 1, belt + 1: belt, 3 + belt: 3 + belt}
     return {}
+
+
+def area(boxes):
+    """Return the sum of the areas of boxes."""
+    return sum((right - left) * (high - low) for (left, right), (low, high) in boxes)
 
 
 def atlas(data, source, limits):
@@ -1610,11 +1732,12 @@ def atlas(data, source, limits):
         check(inner, "a box beyond the range")
     check_disjoint([*boxes, *data["open"]])
     clear(boxes, data["found"], whole)
-    kinds = [whole], boxes, data["open"]
-    all_of, proven, rest = (sum((b - a) * (d - c) for (a, b), (c, d) in each) for each in kinds)
-    stated = f"a share of {source['share'][:40]}, where the boxes have {proven / all_of}"[:160]
-    check(proven == data["share"] * all_of, stated)
-    check(proven + rest == all_of, "boxes and open ones that fill the range")
+    full_area, proven, unproven = (
+        area(rectangles) for rectangles in ([whole], boxes, data["open"])
+    )
+    stated = f"a share of {source['share'][:40]}, where the boxes have {proven / full_area}"[:160]
+    check(proven == data["share"] * full_area, stated)
+    check(proven + unproven == full_area, "boxes and open ones that fill the range")
     mirror = mirror_of(p, over)
     words = dict[str, LabelCycle]()
     with ctx.workprec(BOX_BITS):
