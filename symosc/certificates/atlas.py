@@ -60,6 +60,9 @@ LEAST_SIDE = Fraction(1, 1 << 24)
 #: of the plane.
 MOST_FAILED = 3
 BESIDE = 1e-4
+#: From this excess on (`NotInBox`) it says nothing, and boxes are halved so many times.
+MOST_EXCESS = 1e6
+DIVIDED_IF_UNKNOWN = 3
 #: Points of the grid along each side; so far inside of the plane's edge a place is looked at; the
 #: step along a border.
 GRID = 12
@@ -67,11 +70,17 @@ EDGE = 1e-6
 BORDER_STEP = 0.005
 
 Rectangle = tuple[tuple[Fraction, Fraction], tuple[Fraction, Fraction]]
-#: Labels of a word in order of time, and the unknowns of its orbit, nearly
-#: (`symosc.certificates.plane`).
-Candidate = tuple[tuple[str, ...], tuple[float, ...]]
 #: Both parameters and the word there, "" if it has none.
 Place = tuple[float, float, str]
+
+
+class LikelyOrbit(NamedTuple):
+    """The labels of a word in order of time, and unknowns (`symosc.certificates.plane`) near those
+    of its orbit.
+    """
+
+    labels: tuple[str, ...]
+    unknowns: tuple[float, ...]
 
 
 class ProvenBox(NamedTuple):
@@ -118,7 +127,9 @@ class BoxTask(NamedTuple):
     """
 
     box: Rectangle
-    near: tuple[Candidate, ...] = ()  # orbits that it may have, that of the nearest rectangle first
+    near: tuple[
+        LikelyOrbit, ...
+    ] = ()  # orbits that it may have, that of the nearest rectangle first
     divide: int = 0  # how many times it is halved before a proof is tried, as it is much too large
     # The middle of a rectangle around it or beside it, and the word there.
     above: Place | None = None
@@ -141,17 +152,18 @@ def divided(box: Rectangle, along: int, at: Fraction | None = None) -> list[Rect
 
     Return both parts, or [box] if `at` is not inside.
     """
-    (low, high) = box[along]
-    other = box[1 - along]
+    low, high = box[along]
+    uncut_side = box[1 - along]
     if at is None:
         middle = (low + high) / 2
     else:
         middle = at
     if not low < middle < high:
         return [box]
-    return [
-        (part, other) if along == 0 else (other, part) for part in ((low, middle), (middle, high))
-    ]
+    halves = ((low, middle), (middle, high))
+    if along == 0:
+        return [(half, uncut_side) for half in halves]
+    return [(uncut_side, half) for half in halves]
 
 
 def canonical(labels: Sequence[str]) -> str:
@@ -167,6 +179,16 @@ def flight_first(word: str) -> tuple[str, ...]:
     labels = read_word(word).labels
     first = next(i for i, label in enumerate(labels) if label not in ("P1", "P4"))
     return labels[first:] + labels[:first]
+
+
+class Attempt(NamedTuple):
+    """What came of a task: the word at its middle ("" if none is found), the box if it is proven,
+    and the parts left to try.
+    """
+
+    word: str
+    box: ProvenBox | None
+    parts: list[BoxTask]
 
 
 class ParameterPlane(NamedTuple):
@@ -247,9 +269,12 @@ class ParameterPlane(NamedTuple):
 
         `pool` does the computations.
         """
-        parts = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
-        axes = [[low + (high - low) * part for part in parts] for low, high in self.range]
-        points = [(x, y) for x in axes[0] for y in axes[1]]
+        # Both edges, and the middles of GRID equal parts between them.
+        shares = [Fraction(0), *(Fraction(2 * i + 1, 2 * GRID) for i in range(GRID)), Fraction(1)]
+        values_x, values_y = (
+            [low + (high - low) * share for share in shares] for low, high in self.range
+        )
+        points = list(product(values_x, values_y))
         words = {(x, y): REST for x, y in points if self.rests(((x, x), (y, y)))}
         moving = [point for point in points if point not in words]
         if moving:
@@ -265,12 +290,12 @@ class ParameterPlane(NamedTuple):
             ):
                 if word and count == 1 and status == "t_end":
                     words[point] = canonical(read_word(str(word)).labels)
-        left = [point for point in points if point not in words]
+        without_word = [point for point in points if point not in words]
         if pool is None:
-            words_left: Iterator[str] = map(self.word, left)
+            their_words: Iterator[str] = map(self.word, without_word)
         else:
-            words_left = pool.map(self.word, left, chunksize=CHUNK)
-        words.update(zip(left, words_left, strict=True))
+            their_words = pool.map(self.word, without_word, chunksize=CHUNK)
+        words.update(zip(without_word, their_words, strict=True))
         return tuple((float(x), float(y), words[x, y]) for x, y in points)
 
     # -- borders -----------------------------------------------------------------------------------
@@ -284,7 +309,7 @@ class ParameterPlane(NamedTuple):
         """
         borders = list(known)
         failed = Counter[frozenset[str]]()
-        looked = len(known)  # how many borders have had their sides looked at
+        followed_up = len(known)  # how many borders have had their sides looked at
         waiting = deque(pairs)
         while waiting:
             a, b = waiting.popleft()
@@ -307,9 +332,11 @@ class ParameterPlane(NamedTuple):
                         ]
             except (BorderError, ConvergenceError):
                 pass
+            # No more searches for borders between words that several searches have not found.
             failed[words] += not border_known(borders, a, b)
-            waiting += [pair for border in borders[looked:] for pair in self.beyond(border)]
-            looked = len(borders)
+            for border in borders[followed_up:]:
+                waiting += self.beyond(border)
+            followed_up = len(borders)
         return borders
 
     def beyond(self, border: Border) -> Iterator[tuple[Place, Place]]:
@@ -337,11 +364,13 @@ class ParameterPlane(NamedTuple):
         middle = len(points) // 2
         size = np.array([float(high - low) for low, high in self.range])
         along = (points[middle] - points[middle - 1]) / size
-        return points[middle], np.array([along[1], -along[0]]) / linear.norm(along) * size
+        along_x, along_y = along
+        normal = np.array([along_y, -along_x]) / linear.norm(along)
+        return points[middle], normal * size
 
     # -- boxes -------------------------------------------------------------------------------------
 
-    def orbit_near(self, box: Rectangle) -> Candidate | None:
+    def orbit_near(self, box: Rectangle) -> LikelyOrbit | None:
         """Return labels and unknowns (`BoxEquations`) of the attracting orbit at a box's middle.
 
         None if none is usable.
@@ -359,42 +388,46 @@ class ParameterPlane(NamedTuple):
         wanted = flight_first(canonical(labels))
         first = next(i for i in range(len(labels)) if labels[i:] + labels[:i] == wanted)
         points = [(t * Omega, x) for t, x in orbit.points[first:] + orbit.points[:first]]
-        return wanted, tuple(_flights(wanted, self.p, self.names).unknowns(Omega, points))
+        unknowns = _flights(wanted, self.p, self.names).unknowns(Omega, points)
+        return LikelyOrbit(wanted, tuple(unknowns))
 
-    def attempt(self, task: BoxTask) -> tuple[str, ProvenBox | None, list[BoxTask]]:
-        """Try to prove one word in a task's rectangle.
-
-        Return the word, the box if proven, and the parts left to try.
-
-        The orbits in `task.near` are tried first, then one found at the middle. The word is "" if
-        the middle has none.
+    def surface_in(self, box: Rectangle, orbit: LikelyOrbit) -> Any:
+        """Return the `Surface` of a likely orbit over a box; None if its word has no orbit at the
+        middle of the box.
         """
         from symosc.certificates.plane import NotInBox, Surface, box_arithmetic
 
+        flights = _flights(orbit.labels, self.p, self.names)
+        try:
+            with box_arithmetic():
+                return Surface(self.p, self.names, box, flights, orbit.unknowns)
+        except NotInBox:
+            return None
+
+    def attempt(self, task: BoxTask) -> Attempt:
+        """Try to prove one word in a task's rectangle.
+
+        The orbits in `task.near` are tried first, then one found at the middle.
+        """
+        from symosc.certificates.plane import NotInBox, box_arithmetic
+
         box = task.box
-        known = list(task.near)
+        orbits = list(task.near)
         surface = None
-        labels = tuple[str, ...]()
-
-        def candidates() -> Iterator[Candidate]:
-            """Yield the known orbits; the search for one at the middle is dear, so it comes last."""
-            yield from task.near
-            if (candidate := self.orbit_near(box)) is not None:
-                known.insert(0, candidate)
-                yield candidate
-
-        for labels, unknowns in candidates():
-            try:
-                with box_arithmetic():
-                    surface = Surface(
-                        self.p, self.names, box, _flights(labels, self.p, self.names), unknowns
-                    )
-                    break
-            except NotInBox:
-                continue
+        for orbit in task.near:
+            surface = self.surface_in(box, orbit)
+            if surface is not None:
+                break
+        if surface is None:  # the search for an orbit at the middle is dear, so it comes last
+            orbit_at_middle = self.orbit_near(box)
+            if orbit_at_middle is not None:
+                orbits.insert(0, orbit_at_middle)
+                orbit = orbit_at_middle
+                surface = self.surface_in(box, orbit)
         if surface is None:
             halves = divided(box, _longer_side(box))
-            return "", None, [BoxTask(half, tuple(known[:MOST_NEAR])) for half in halves]
+            return Attempt("", None, [BoxTask(half, tuple(orbits[:MOST_NEAR])) for half in halves])
+        labels = orbit.labels
         word = canonical(labels)
         along = None
         divide = task.divide - 1
@@ -402,28 +435,28 @@ class ParameterPlane(NamedTuple):
             with box_arithmetic():
                 if not task.divide:
                     surface.prove()
-                    return word, ProvenBox(word, box, tuple(surface.points())), []
+                    return Attempt(word, ProvenBox(word, box, tuple(surface.points())), [])
         except NotInBox as reason:
             along = reason.along
-            if reason.excess < 1e6:
+            # A box that is 4 times too large is halved once before the next proof.
+            if reason.excess < MOST_EXCESS:
                 divide = int(log2(max(reason.excess, 1)) / 2)
             else:
-                divide = 3
+                divide = DIVIDED_IF_UNKNOWN
         if along is None:
             along = _longer_side(box)
         # The likely orbits of both halves: at their own middles, at that of the box, of other words.
-        of_other_words = [candidate for candidate in known if candidate[0] != labels]
-        others = [(labels, surface.near(0, 0)), *of_other_words][:MOST_NEAR]
+        of_other_words = [other for other in orbits if other.labels != labels]
+        others = [LikelyOrbit(labels, surface.near(0, 0)), *of_other_words][:MOST_NEAR]
         if along == 0:
             middles = ((-0.5, 0.0), (0.5, 0.0))
         else:
             middles = ((0.0, -0.5), (0.0, 0.5))
-        near = [(labels, surface.near(a, b)) for a, b in middles]
-        parts = [
-            BoxTask(half, (own, *others), divide)
-            for half, own in zip(divided(box, along), near, strict=True)
-        ]
-        return word, None, parts
+        parts = []
+        for half, (a, b) in zip(divided(box, along), middles, strict=True):
+            own = LikelyOrbit(labels, surface.near(a, b))
+            parts.append(BoxTask(half, (own, *others), divide))
+        return Attempt(word, None, parts)
 
 
 @lru_cache(maxsize=256)
@@ -516,9 +549,10 @@ class Cover:
         """
         for task in tasks:
             sides = zip(task.box, self.plane.range, strict=True)
+            shares = [(b - a) / (high - low) for (a, b), (low, high) in sides]
             if self.plane.rests(task.box):
                 self.prove(ProvenBox(REST, task.box, ()))
-            elif min((b - a) / (d - c) for (a, b), (c, d) in sides) < LEAST_SIDE:
+            elif min(shares) < LEAST_SIDE:
                 self.small.append(task.box)
             else:
                 heapq.heappush(self.heap, (-float(area(task.box)), self.count, task))
@@ -542,23 +576,27 @@ class Cover:
         """
         work = self.plane.attempt
         while self.heap and self.area < share and monotonic() < until:
-            tasks = [heapq.heappop(self.heap)[2] for _ in range(min(BATCH, len(self.heap)))]
+            tasks = list[BoxTask]()
+            while self.heap and len(tasks) < BATCH:
+                _, _, task = heapq.heappop(self.heap)
+                tasks.append(task)
             if pool is None:
-                results: Iterable[Any] = map(work, tasks)
+                attempts: Iterable[Attempt] = map(work, tasks)
             else:
-                results = pool.map(work, tasks, chunksize=CHUNK)
-            for task, (word, box, parts) in zip(tasks, results, strict=True):
+                attempts = pool.map(work, tasks, chunksize=CHUNK)
+            for task, attempt in zip(tasks, attempts, strict=True):
+                word = attempt.word
                 place = (*middle_of(task.box), word)
                 above = task.above
                 if above:
-                    *_, word_above = above
+                    _, _, word_above = above
                     if word not in ("", word_above):
                         self.changes.append((above, place))
-                if box:
-                    self.prove(box)
+                if attempt.box:
+                    self.prove(attempt.box)
                 if word:
                     above = place
-                self.add(*(part._replace(above=above) for part in parts))
+                self.add(*(part._replace(above=above) for part in attempt.parts))
             report(min(float(self.area), float(share)), float(share))
 
     def take_up(self, boxes: Sequence[ProvenBox], left: Sequence[Rectangle]) -> None:
@@ -569,16 +607,17 @@ class Cover:
         orbits = [proven for proven in boxes if proven.points]
         plane = self.plane
         sizes = np.array([float(high - low) for low, high in plane.range])
+        # One row for each orbit, even if there is none.
         middles = np.array([middle_of(proven.range) for proven in orbits]).reshape(-1, 2) / sizes
         for box in left:
             place = np.array(middle_of(box)) / sizes
-            near = dict[tuple[str, ...], Candidate]()  # one for each word, the nearest
+            near = dict[tuple[str, ...], LikelyOrbit]()  # one for each word, the nearest
             nearest = np.argsort(((middles - place) ** 2).sum(axis=1), kind="stable")
             for proven in (orbits[i] for i in nearest[:MOST_NEAR]):
                 labels = flight_first(proven.word)
-                Omega = float(plane.at([(a + b) / 2 for a, b in proven.range]).Omega)
+                Omega = float(plane.at([(low + high) / 2 for low, high in proven.range]).Omega)
                 unknowns = _flights(labels, plane.p, plane.names).unknowns(Omega, proven.points)
-                near.setdefault(labels, (labels, tuple(unknowns)))
+                near.setdefault(labels, LikelyOrbit(labels, tuple(unknowns)))
             above = None
             if len(nearest):
                 proven = orbits[nearest[0]]
@@ -655,16 +694,18 @@ class Atlas(Drawable):
         inside = [
             (x, y, word) for x, y, word in self.grid if left_end < x < right and bottom < y < top
         ]
+        all_words = [word for _, _, word in inside]
         # What is not proven is divided like the places of the grid in which nothing is proven.
-        unproven = [word for x, y, word in inside if not self._around(x, y).size]
-        seen = Counter(unproven or [word for *_, word in inside])
-        words = set(proven) | {word for *_, word in inside}
-        words |= {word for border in self.borders for word in border.words if word}
-        left = max(0.0, 1 - sum(proven.values()))
-        regions = [
-            Region(word, proven[word] + left * seen[word] / max(seen.total(), 1), proven[word])
-            for word in words
-        ]
+        unproven_words = [word for x, y, word in inside if not self._around(x, y).size]
+        places_of = Counter(unproven_words or all_words)
+        words = set(proven) | set(all_words)
+        for border in self.borders:
+            words |= {word for word in border.words if word}
+        unproven = max(0.0, 1 - sum(proven.values()))
+        regions = []
+        for word in words:
+            estimate = unproven * places_of[word] / max(places_of.total(), 1)
+            regions.append(Region(word, proven[word] + estimate, proven[word]))
         return tuple(sorted(regions, key=lambda region: (-region.share, region.word)))
 
     @property
@@ -720,9 +761,8 @@ class Atlas(Drawable):
             return REST
         for i in self._around(float(x), float(y)):
             box = self.boxes[i]
-            if all(
-                low <= value <= high for value, (low, high) in zip((x, y), box.range, strict=True)
-            ):
+            (low_x, high_x), (low_y, high_y) = box.range
+            if low_x <= x <= high_x and low_y <= y <= high_y:
                 return box.word
         return canonical(find_orbit(plane.at((x, y))).labels)
 
@@ -865,8 +905,8 @@ def atlas(
     cover = Cover(plane)
     earlier = path is not None and Path(path).exists()
     if earlier:
-        before, boxes, left, grid, pairs = _read_file(path)
-        if before != plane:
+        stored = _read_file(path)
+        if stored.plane != plane:
             raise ParameterError(
                 "path", path, "must not be the atlas of another plane; name another file"
             )
@@ -875,7 +915,9 @@ def atlas(
         reporting(progress, 0, float(share), "proven", "") as report,
     ):
         if earlier:
-            cover.take_up(boxes, left)
+            grid = stored.grid
+            pairs = stored.pairs
+            cover.take_up(stored.boxes, stored.open)
         else:
             grid = plane.grid(pool)
             pairs = neighbours(grid)
@@ -918,17 +960,25 @@ def _read_plane(p: Parameters, over: Mapping[str, Any]) -> ParameterPlane:
     return plane
 
 
-def _read_file(
-    path: Any,
-) -> tuple[ParameterPlane, list[ProvenBox], list[Rectangle], tuple[Place, ...], list[Any]]:
-    """Read the file of an atlas.
-
-    Return its plane, boxes, open boxes, grid, and pairs of places beside its borders.
+class StoredAtlas(NamedTuple):
+    """What the file of an atlas has: its plane, proven and open boxes, grid, and a pair of places on
+    both sides of each border.
     """
 
+    plane: ParameterPlane
+    boxes: list[ProvenBox]
+    open: list[Rectangle]
+    grid: tuple[Place, ...]
+    pairs: list[tuple[Place, Place]]
+
+
+def _read_file(path: Any) -> StoredAtlas:
+    """Read the file of an atlas, or raise ParameterError."""
+
     def box(sides: Any) -> Rectangle:
-        (a, b), (c, d) = ([Fraction(end) for end in side] for side in sides)
-        return (a, b), (c, d)
+        """Return a rectangle from the texts of its ends."""
+        (left, right), (low, high) = ([Fraction(end) for end in side] for side in sides)
+        return (left, right), (low, high)
 
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"))
@@ -944,15 +994,13 @@ def _read_file(
         low, high = np.array(plane.range, dtype=float).T
         for row in data["found"]["borders"]:
             middle, across = plane.across(np.array(row["points"], dtype=float))
-            sides = zip((-BESIDE, BESIDE), row["words"], strict=True)
-            pairs.append(
-                tuple(
-                    (*np.clip(middle + part * across, low, high).tolist(), word or "")
-                    for part, word in sides
-                )
+            word_before, word_behind = row["words"]
+            before, behind = (
+                np.clip(middle + share * across, low, high).tolist() for share in (-BESIDE, BESIDE)
             )
+            pairs.append(((*before, word_before or ""), (*behind, word_behind or "")))
         grid = tuple((float(x), float(y), str(word)) for x, y, word in data["found"]["grid"])
-        return plane, boxes, [box(sides) for sides in data["open"]], grid, pairs
+        return StoredAtlas(plane, boxes, [box(sides) for sides in data["open"]], grid, pairs)
     except (OSError, ValueError, LookupError, TypeError) as error:
         reason = f"is no file of an atlas ({type(error).__name__}: {str(error)[:80]})"
         raise ParameterError("path", path, reason) from None

@@ -76,7 +76,9 @@ def entire_0f1(b: Ball, z: Ball) -> Ball:
     if not isinstance(z, arb_series | acb_series):
         return z.hypgeom_0f1(b)
     kind: Any = type(z)
-    change, total, factor = (kind(each, prec=z.prec) for each in ([0, *list(z)[1:]], [0], [1]))
+    change = kind([0, *list(z)[1:]], prec=z.prec)
+    total = kind([0], prec=z.prec)
+    factor = kind([1], prec=z.prec)  # change^j / (b (b + 1) ... (b + j - 1) j!)
     for j in range(z.prec):
         total = total + factor * z[0].hypgeom_0f1(b + j)
         factor = factor * change / ((b + j) * (j + 1))
@@ -117,7 +119,7 @@ class OscillatorInBalls:
             self.fast = -(self.h + self.omega_d)
             self.slow = self.km / self.fast
         friction = {1: b["mu1"] + b["mu2"], 2: b["mu2"] - b["mu1"], 3: -b["mu1"] - b["mu2"]}
-        self.A = {domain: b["A0"] + part * b["FN"] for domain, part in friction.items()}
+        self.A = {domain: b["A0"] + mu * b["FN"] for domain, mu in friction.items()}
         self.speed = {1: b["v1"], 2: b["v2"]}
         #: The jump of the acceleration at each belt, F^(below) - F^(above).
         self.jump = {boundary: 2 * b[f"mu{boundary}"] * b["FN"] / self.m for boundary in (1, 2)}
@@ -170,8 +172,9 @@ class SignedGap(NamedTuple):
 
 def prove_positive(margin: SignedGap, span: Ball) -> None:
     """Prove that a margin is > 0 from time 0 to any time in the ball `span`, or raise Undecided."""
-    # On a step one of these is enough, where g > 0 is known at its start: g > 0; g' > 0; g'' > 0 if it
-    # begins with a flight that leaves a stick; g' < 0 if it ends with the flight, where g = 0.
+    # As g > 0 at the start of a step (or 0 at that of the flight), one of these is enough: g > 0 or
+    # g' > 0 all the way; g'' > 0 on the first step after a stick; g' < 0 on the last step, if g = 0
+    # at its end.
     last = span.upper().mid()
     begin = arb(0)
     zeros = margin.at_start
@@ -180,25 +183,26 @@ def prove_positive(margin: SignedGap, span: Ball) -> None:
     step = (last * FIRST_COURSE_STEP).mid()
     for _ in range(MOST_COURSE_STEPS):
         end = (begin + step).mid()
-        final = bool(end >= last)
-        over = begin.union(last if final else end)
-        whole = margin.curve(over)
-        there = margin.curve(over.mid())
-        off = over - over.mid()
-        slope = there.dg + whole.ddg * off
-        if final and margin.at_end:
+        is_last = bool(end >= last)
+        times = begin.union(last if is_last else end)
+        whole = margin.curve(times)
+        middle = margin.curve(times.mid())
+        # g and g' by Taylor's theorem about the middle.
+        off = times - times.mid()
+        slope = middle.dg + whole.ddg * off
+        if is_last and margin.at_end:
             sure = not zeros and slope < 0
         else:
-            g = there.g + there.dg * off + whole.ddg * (off * off).nonnegative_part() / 2
+            g = middle.g + middle.dg * off + whole.ddg * (off * off).nonnegative_part() / 2
             sure = g > 0 or whole.g > 0 or slope > 0 or (zeros == 2 and whole.ddg > 0)
-        if sure and final:
+        if sure and is_last:
             return
         if sure:
             begin = end
             zeros = 0
             step = (step * 1.5).mid()
         else:
-            step = (((last if final else end) - begin) / 2).mid()
+            step = (((last if is_last else end) - begin) / 2).mid()
             if step <= last * SHORTEST_COURSE_STEP:
                 break
     raise Undecided(margin.what)

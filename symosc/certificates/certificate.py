@@ -134,11 +134,10 @@ def stated(
 
     An orbit has its switching points in `points`.
     """
-    ends = [
-        tuple(tuple(row[name]) for name in "tx" if name in row) for row in proven_rows(statement)
-    ]
-    names = [(row["kind"], row["source"], row["target"]) for row in proven_rows(statement)]
-    events = tuple((*name, *end) for name, end in zip(names, ends, strict=True))
+    events = []
+    for row in proven_rows(statement):
+        enclosures = [tuple(row[name]) for name in "tx" if name in row]
+        events.append((row["kind"], row["source"], row["target"], *enclosures))
     multipliers = tuple(
         (tuple(row["re"]), tuple(row["im"])) for row in statement.get("multipliers", ())
     )
@@ -148,7 +147,15 @@ def stated(
     )
     stable = statement.get("stable")
     return Certificate(
-        kind, proven, message, events, points, multipliers, stable, statement, changes
+        kind,
+        proven,
+        message,
+        events=tuple(events),
+        points=points,
+        multipliers=multipliers,
+        stable=stable,
+        statement=statement,
+        derivatives=changes,
     )
 
 

@@ -40,6 +40,9 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, from_rest, load_scene
 from symosc.simulation.tangents import read_wrt
 
+#: Omega t from which on a motion is first tried to be proven by the orbit on which it settles.
+LONG_MOTION = 6000
+
 
 @public
 def certify(
@@ -178,9 +181,10 @@ def _motion(
     task = ToProve(
         scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted, wrt
     )
-    # A motion that lasts longer than this (Omega t), in a scene with a word, may settle on the
-    # orbit of this word.
-    if not wrt and scene.structure and scene.parameters.Omega * (scene.t_end - scene.t0) > 6000:
+    # A long motion in a scene with a word may settle on the orbit of this word: then a cycle proves
+    # it, event by event it would take too long.
+    turned = scene.parameters.Omega * (scene.t_end - scene.t0)
+    if not wrt and scene.structure and turned > LONG_MOTION:
         with suppress(ConvergenceError):  # there is no such orbit
             settled = certify_settled(task, find_orbit(scene.parameters, scene.structure))
             if settled.proven:

@@ -90,6 +90,9 @@ BOX_MARGIN = 8
 LEAST_BOX = Fraction(1, 10**22)
 MOST_Q = 0.9
 MOST_TURNS = 8
+#: Steps of a power iteration, and what is added to a side in each of them (as a share of the larger).
+POWER_STEPS = 60
+LEAST_SHARE = 1e-3
 MOST_CYCLES = 3
 MODE_NUMBERS = {name: mode for mode, name in MODE_NAMES.items()}
 
@@ -218,7 +221,8 @@ def certify_motion(task: ToProve) -> Certificate:
         statement = undecided.statement or statement
     rows = []
     if "events" in statement:
-        rows = statement["events"][: len(enclosed(statement, CHECKED_BITS[:2])[0])]
+        sets, _ = enclosed(statement, CHECKED_BITS[:2])
+        rows = statement["events"][: len(sets)]
     kept = {
         key: value
         for key, value in statement.items()
@@ -239,7 +243,7 @@ def _checked(statement: Record) -> Certificate:
     certificate = confirmed("trajectory", statement, steps=steps)
     if certificate.proven or "(--steps)" not in certificate.message:
         return certificate
-    reason = enclosed(statement)[1]
+    _, reason = enclosed(statement)
     if reason == NEAR_MISS and statement["starts"] == "all":
         message = f"not confirmed by the checker: not proven: {reason}"
         return stated("trajectory", False, message, statement)
@@ -289,24 +293,31 @@ def _possible_touch(task: ToProve, run: Trajectory, digits: int) -> Touch | None
         if event.kind == "graze":
             mode = MODE_NUMBERS[event.source]
             return Touch(name, place, before, fraction(event.t), event.boundary, mode)
-    mode = MODE_NUMBERS[run.segments[-1].mode]
     if run.status != "undecidable":
         return None
+    # The engine stops at a near miss, and does not say of which belt.
+    mode = MODE_NUMBERS[run.segments[-1].mode]
     t = fraction(run.t_end)
-    around_it = [belt for belt in NEIGHBOURS if mode in NEIGHBOURS[belt]]
-    touches = [Touch(name, place, len(run.events), t, belt, mode) for belt in around_it]
+    belts_beside = [belt for belt in NEIGHBOURS if mode in NEIGHBOURS[belt]]
+    touches = [Touch(name, place, len(run.events), t, belt, mode) for belt in belts_beside]
     if not touches:
         return None
-    given = task.start[place]
-    return min(touches, key=lambda touch: abs(_least_gap(task, touch, given, t, digits)[0]))
+    unvaried = task.start[place]
+
+    def size_of_gap(touch: Touch) -> Fraction:
+        gap, _ = _least_gap(task, touch, unvaried, t, digits)
+        return abs(gap)
+
+    return min(touches, key=size_of_gap)
 
 
 def enclosed(
     statement: Record, precisions: Sequence[int] = CHECKED_BITS
 ) -> tuple[list[tuple[Interval, Interval]], str]:
-    """Return how the checker encloses t and x of each event of a file, and why it stops.
+    """Return how the checker encloses t and x of each event of a file, and why it stops: "" if it
+    follows the motion up to t_end.
 
-    It is "" if the checker follows the motion up to t_end. `precisions` are the bits to try.
+    `precisions` are the bits to try.
     """
     # Nothing rests on it: the file is proven as a whole.
     source = {key: value for key, value in statement.items() if key in verify.MOTION}
@@ -315,10 +326,10 @@ def enclosed(
     except verify.Stop as stop:  # numbers beyond the limits of the format
         return [], stop.args[1]
     start = [data["start"][name] for name in STARTS]
-    found: list[tuple[Interval, Interval]] = []
+    sets: list[tuple[Interval, Interval]] = []
     reason = ""
     for bits in precisions:
-        found = []
+        sets = []
         limits = verify.LIMITS | {"left": verify.LIMITS["steps"]}
         with verify.LOCK, ctx.workprec(bits):
             try:
@@ -326,21 +337,21 @@ def enclosed(
                 motion = verify.begin(problem, start, data["start_error"], [])
                 for row in data["events"]:
                     motion = motion.after_event(row)
-                    found.append((ends_of(motion.t), ends_of(motion.x)))
+                    sets.append((ends_of(motion.t), ends_of(motion.x)))
                 motion.positive(arb(data["t_end"]).upper())
             except verify.Stop as stop:
-                reason = stop.args[1]
-                if stop.args[0] == verify.OPEN:
+                code, reason = stop.args
+                if code == verify.OPEN:  # more bits may decide it
                     continue
-                return found, reason
-            return found, ""
-    return found, reason
+                return sets, reason
+            return sets, ""
+    return sets, reason
 
 
 def ends_of(ball: Any) -> Interval:
     """Return both ends of a ball as exact fractions."""
     middle, radius = (
-        Fraction(int(part.p), int(part.q)) for part in (ball.mid().fmpq(), ball.rad().fmpq())
+        Fraction(int(exact.p), int(exact.q)) for exact in (ball.mid().fmpq(), ball.rad().fmpq())
     )
     return middle - radius, middle + radius
 
@@ -373,13 +384,14 @@ def open_after(
 
 def _exact_statement(task: ToProve, finer: int) -> Record:
     """Return the events of an exact start; `finer` is how many times the digits are proposed."""
-    digits = least = finer * task.digits
-    while True:
+    least = finer * task.digits
+    digits = least
+    while True:  # until the run is finer than the rows that are read off it
         run = _followed(task, digits)
-        rows = _row_digits(task, run, least)
-        if max(rows, default=0) <= digits + SPARE_DIGITS // 2:
+        row_digits = _row_digits(task, run, least)
+        if max(row_digits, default=0) <= digits + SPARE_DIGITS // 2:
             break
-        digits = max(rows)
+        digits = max(row_digits)
     # A double zero, which enclosures cannot tell from a near miss. Without damping and drive v and
     # v' go round a circle, which is decided in rational numbers.
     circles = task.p.c == task.p.B0 == 0 < task.p.k
@@ -387,11 +399,11 @@ def _exact_statement(task: ToProve, finer: int) -> Record:
     if graze is not None and not circles:
         what = f"{NEAR_MISS} near t = {float(graze.t):.15g}"
         raise open_after(task, run, what, run.digits or digits, TOUCHES)
-    statement = about(
-        task,
-        run,
-        [row_of(event, EXACT_ROW, row) for event, row in zip(run.events, rows, strict=True)],
-    )
+    events = [
+        row_of(event, EXACT_ROW, digits_of_row)
+        for event, digits_of_row in zip(run.events, row_digits, strict=True)
+    ]
+    statement = about(task, run, events)
     if task.wrt:
         statement |= _derivatives(task, run)
     return statement
@@ -399,17 +411,17 @@ def _exact_statement(task: ToProve, finer: int) -> Record:
 
 def _row_digits(task: ToProve, run: Trajectory, least: int) -> list[int]:
     """Return how many digits each event needs so that its time is told from that before it."""
-    found = []
+    digits_of_events = []
     before = task.start[0]
     for event in run.events:
         t = fraction(event.t)
-        digits = 2 * least + (run.digits or 0)
+        digits = 2 * least + (run.digits or 0)  # more than the run has, as they do not do
         if t > before:
             scale = max(Fraction(1), abs(t))
             digits = DIGITS_BEYOND + power_of_ten(scale / (t - before))
-        found.append(max(least, digits))
+        digits_of_events.append(max(least, digits))
         before = t
-    return found
+    return digits_of_events
 
 
 def row_of(event: Event, wider: float, digits: int) -> Record:
@@ -492,12 +504,13 @@ def _touching(task: ToProve, touch: Touch, run: Trajectory) -> Iterator[Record]:
     name = touch.name
     place = touch.place
     value, digits = _touching_value(task, touch)
-    given = task.start[place]
+    middle = task.start[place]
     error = task.errors[place]
+    # Where a start is off by e, contacts near the touch are off by about the root of e in time.
     places = 2 * (task.digits + 2) + task.error_digits // 2
     unit = Fraction(1, 10**places)
     low, high = (Fraction(floor(value / unit) + step) * unit for step in (-1, 2))
-    if max(abs(low - given), abs(high - given)) > error:
+    if max(abs(low - middle), abs(high - middle)) > error:
         near = f"near t = {float(touch.t):.15g}"
         what = f"a touch that is further off than the error of the start, {near},"
         raise open_after(task, run, what, digits)
@@ -517,24 +530,25 @@ def _touching_value(task: ToProve, touch: Touch) -> tuple[Fraction, int]:
     """
     # The least gap is 0 to so many digits as the start value is needed to; twice as many are used.
     digits = 2 * (2 * task.digits + SPARE_DIGITS) + task.error_digits
-    given = task.start[touch.place]
+    middle = task.start[touch.place]
     reach = task.errors[touch.place]
     near = touch.t
     points = list[tuple[Fraction, Fraction]]()
     for count in range(2 + MOST_SECANTS):
         if count < 2:
-            value = given + reach * count / 4
+            value = middle + reach * count / 4
         else:
             (value_before, gap_before), (last_value, last_gap) = points[-2:]
             if gap_before == last_gap:
                 break
             step = last_gap * (last_value - value_before) / (last_gap - gap_before)
             value = fraction(many_digits(task.p, digits).number(last_value - step))
-            if abs(value - given) > reach:
+            if abs(value - middle) > reach:
                 break
         gap, near = _least_gap(task, touch, value, near, digits)
         points.append((value, gap))
-    return points[-1][0], digits
+    last_value, _ = points[-1]
+    return last_value, digits
 
 
 def _least_gap(
@@ -542,8 +556,8 @@ def _least_gap(
 ) -> tuple[Fraction, Fraction]:
     """Return the least gap to a belt that a flight has, and when, near a time `near`.
 
-    It begins after the events before the touch, of the start with another `value`. The belt does
-    not end it.
+    The flight begins after the events before the touch, if the start has another `value`. The gap
+    may be negative: the belt does not end this flight.
     """
     arithmetic = many_digits(task.p, digits)
     number = arithmetic.number
@@ -551,31 +565,39 @@ def _least_gap(
     K = arithmetic.K
     start = list(task.start)
     start[touch.place] = value
-    t, x, v = (number(each) for each in start)
+    t, x, v = map(number, start)
     if touch.before:
         changes: dict[str, Any] = {touch.name: value, "start_error": 0}
         event = task.run(digits, touch.before, **changes).events[touch.before - 1]
-        t, x, v = (context.convert(each) for each in (event.t, event.x, event.v))
+        t, x, v = map(context.convert, (event.t, event.x, event.v))
     theta = K.Om * t
     A = (K.A1, K.A2, K.A3)[touch.mode - 1]
     cosine = context.cos(theta)
     force = acceleration(x, v, cosine, A, K.cm, K.w0sq, K.f0)
     launch = Launch(v, force, context.sin(theta), cosine)
     tau = number(near) - t
-    flown = arithmetic.namespace["state_at"]
+    state_at = arithmetic.namespace["state_at"]
     # The gap is least where the acceleration F is 0: Newton's method with its derivative G1.
     for _ in range(MOST_NEWTON):
-        there = flown(tau, launch, K)
-        step = there.F / there.G1
+        state = state_at(tau, launch, K)
+        step = state.F / state.G1
         if abs(step) <= 16 * context.eps * abs(tau):
             break
         tau = tau - step
-    there = flown(tau, launch, K)
-    gap = v + there.dv - number(task.p.belt(touch.boundary))
+    state = state_at(tau, launch, K)
+    gap = v + state.dv - number(task.p.belt(touch.boundary))
     return fraction(gap), fraction(t + tau)
 
 
 # -- motions that settle ---------------------------------------------------------------------------
+
+
+class Switching(NamedTuple):
+    """An event of an orbit: the first entries of its row in a file, and t and x in many digits."""
+
+    row: Record
+    t: Number
+    x: Number
 
 
 class OrbitInDigits:
@@ -607,12 +629,11 @@ class OrbitInDigits:
         #: t and x at each switching point.
         self.points = [(theta / Omega, x) for x, theta in solution.points]
 
-    def switchings(self, begin: int) -> list[tuple[Record, Number, Number]]:
-        """Return what happens, when and where at each event of one period from event `begin` on.
-
-        The last one is event `begin` again, a period later.
+    def switchings(self, begin: int) -> list[Switching]:
+        """Return the events of one period from event `begin` on; the last one is event `begin`
+        again, a period later.
         """
-        found = []
+        switchings = []
         n = len(self.pieces)
         for j in range(begin, begin + n + 1):
             before = self.pieces[j % n - 1]
@@ -622,15 +643,15 @@ class OrbitInDigits:
                 kind = "slip"
             elif piece.sticks:
                 kind = "stick"
-            what = {
+            row = {
                 "kind": kind,
                 "boundary": piece.start,
                 "source": MODE_NAMES[before.mode],
                 "target": MODE_NAMES[piece.mode],
             }
             t, x = self.points[j % n]
-            found.append((what, t + self.turn * (j // n), x))
-        return found
+            switchings.append(Switching(row, t + self.turn * (j // n), x))
+        return switchings
 
     def slopes(self) -> list[Any]:
         """Return for each piece the 2 x 2 matrix of the derivatives of t and x at its end by t and
@@ -640,27 +661,30 @@ class OrbitInDigits:
         Omega = self.equations.K.Om
         context = self.context
         size = 2 * len(self.pieces)
-        found = []
+        slopes = []
+
+        def block(i: int, k: int) -> list[list[Number]]:
+            """Return the derivatives of equations i and i + 1 by theta and x of the point whose x
+            is unknown k (theta is the next).
+            """
+            return [[J[row, (k + 1) % size], J[row, k % size]] for row in (i, i + 1)]
+
         for i in range(0, size, 2):
-            # The rows of J for a piece: the derivatives of its two equations by x and theta at its
-            # start (shift 0) and at its end (2), here in the order theta, x.
-            begin, end = (
-                [[J[i + row, (i + shift + j) % size] for j in (1, 0)] for row in (0, 1)]
-                for shift in (0, 2)
-            )
+            begin = block(i, i)  # of a piece, by the point where it starts
+            end = block(i, i + 2)  # by the point where it ends
             # By the implicit function theorem the slope is -end^-1 begin.
             (a, b), (c, d) = end
             minus_inverse = context.matrix([[d, -b], [-c, a]]) / (b * c - a * d)
             slope = minus_inverse * context.matrix(begin)  # of theta and x
             slope[0, 1] = slope[0, 1] / Omega
             slope[1, 0] = slope[1, 0] * Omega
-            found.append(slope)
-        return found
+            slopes.append(slope)
+        return slopes
 
 
 class Cycle(NamedTuple):
-    """A box of t and x at an arrival on a belt, into which all motions from it come back after
-    `turns` periods.
+    """A box of t and x at an arrival on a belt (the orbit's point `place`), into which all motions
+    from it come back after `turns` periods.
 
     `reaches` says how far motions of the box are apart at each event, in t and in x; `q` is the
     factor by which the box is contracted.
@@ -696,42 +720,51 @@ def _settled_statements(task: ToProve, orbit: PeriodicOrbit) -> Iterator[Record]
     """Yield files that state the events of a motion up to its arrival in a box, and a cycle."""
     known_orbit = OrbitInDigits(task.p, orbit.labels, orbit.periods, orbit.points, SETTLED_DIGITS)
     turn = fraction(known_orbit.turn)
-    leaves = leaving(task)
+    left = leaving(task)
     begun = task
-    about_it = first_entries(task, SETTLED_DIGITS) | {"may_stick_until": None}
-    if leaves is not None:
-        until, errors = leaves
-        begun = task._replace(errors=errors)
-        about_it["may_stick_until"] = show_decimal(until)
+    head = first_entries(task, SETTLED_DIGITS) | {"may_stick_until": None}
+    if left is not None:
+        begun = task._replace(errors=left.errors)
+        head["may_stick_until"] = show_decimal(left.until)
     seen = 0
     sizes = list[Fraction]()
     for most in MOST_EVENTS_BEFORE:
         run = begun.run(SETTLED_DIGITS, most)
-        about_it["mode"] = run.segments[0].mode
+        head["mode"] = run.segments[0].mode
         rows = [row_of(event, WIDER[1], DIGITS) for event in run.events]
         for count, event in enumerate(run.events[seen:], seen + 1):
             place = _arrival(known_orbit, event)
             cycle = None if place is None else _cycle(known_orbit, place, event)
-            # A much smaller box may be one from which no event changes its place.
-            if cycle is None or (sizes and cycle.widths[0] * 1000 > sizes[-1]):
+            if cycle is None:
                 continue
-            sizes.append(cycle.widths[0])
+            # After a refused box only a much smaller one is tried: its events may keep their order.
+            width_t, _ = cycle.widths
+            if sizes and width_t * 1000 > sizes[-1]:
+                continue
+            sizes.append(width_t)
             entries = _cycle_entries(task, known_orbit, cycle, rows[count - 1], turn)
             entries["count"] += count
-            yield about_it | {"events": rows[:count]} | entries
+            yield head | {"events": rows[:count]} | entries
             if len(sizes) == MOST_CYCLES:
                 return
         seen = len(run.events)
 
 
-def leaving(task: ToProve) -> tuple[Fraction, tuple[Fraction, Fraction, Fraction]] | None:
-    """Return by when all starts on a belt have left it, and the errors of their flights' start.
+class Left(NamedTuple):
+    """By when all starts on a belt have left it, and the errors of the start of their flights."""
 
-    None if the start is not on a belt, or the forces there are not 0 within its error.
+    until: Fraction
+    errors: tuple[Fraction, Fraction, Fraction]
+
+
+def leaving(task: ToProve) -> Left | None:
+    """Return when the starts on a belt have left it; None if the start is not on a belt, or the
+    forces there are not 0 within its error.
     """
     p = task.p
     t0, x0, v0 = task.start
-    if v0 not in (p.v1, p.v2) or task.errors[2] or task.exact:
+    error_t, error_x, error_v = task.errors
+    if v0 not in (p.v1, p.v2) or error_v or task.exact:
         return None
     boundary = 1 if v0 == p.v1 else 2
     arithmetic = many_digits(p, SETTLED_DIGITS)
@@ -739,30 +772,33 @@ def leaving(task: ToProve) -> tuple[Fraction, tuple[Fraction, Fraction, Fraction
     theta = number(p.Omega * t0)
     cosine = fraction(arithmetic.context.cos(theta))
     sine = fraction(arithmetic.context.sin(theta))
-    forces = [
+    below, above = (
         (p.A(domain) + p.B0 * cosine - p.k * x0 - p.c * v0) / p.m
         for domain in (boundary, boundary + 1)
-    ]
+    )
+    # Both forces change alike with time, by `slope`, which changes by swing Omega at most.
     slope = -(p.k * v0 + p.B0 * p.Omega * sine) / p.m
     swing = abs(p.B0) * p.Omega / p.m
-    reach = p.k / p.m * task.errors[1] + swing * task.errors[0]
-    ends = forces[0] if slope < 0 else forces[1]  # the force whose change of sign ends the stick
-    steepness = abs(slope) - swing * p.Omega * task.errors[0]
-    if abs(ends) > reach or steepness <= 0:
+    ending = below if slope < 0 else above  # the force whose change of sign ends the stick
+    reach = p.k / p.m * error_x + swing * error_t
+    steepness = abs(slope) - swing * p.Omega * error_t
+    if abs(ending) > reach or steepness <= 0:
         return None
-    lasts = task.errors[0] + 2 * (abs(ends) + reach) / steepness
+    # Twice the time that the force takes to 0 at that slope, as the slope changes meanwhile.
+    lasts = error_t + 2 * (abs(ending) + reach) / steepness
     lasts = Fraction(floor(lasts * 10**BOX_PLACES) + 2, 10**BOX_PLACES)  # rounded up
-    error_x = task.errors[1] + abs(v0) * (lasts + task.errors[0])  # the belt carries the mass on
-    return t0 + lasts, (lasts, error_x, Fraction(0))
+    error_x_then = error_x + abs(v0) * (lasts + error_t)  # the belt carries the mass on
+    return Left(t0 + lasts, (lasts, error_x_then, Fraction(0)))
 
 
 def _arrival(orbit: OrbitInDigits, event: Event) -> int | None:
     """Return the index of the orbit's switching point, after a flight, that is near an event."""
-    for i, (what, t, x) in enumerate(orbit.switchings(0)[:-1]):
-        turns = float((event.t - t) / orbit.turn)
-        near = abs(turns - round(turns)) < NEAR_ARRIVAL and abs(float(event.x - x)) < NEAR_ARRIVAL
-        same = all(getattr(event, name) == value for name, value in what.items())
-        if near and same and event.kind != "slip":
+    for i, switching in enumerate(orbit.switchings(0)[:-1]):
+        turns = float((event.t - switching.t) / orbit.turn)
+        is_near_in_t = abs(turns - round(turns)) < NEAR_ARRIVAL
+        is_near = is_near_in_t and abs(float(event.x - switching.x)) < NEAR_ARRIVAL
+        is_same = all(getattr(event, name) == value for name, value in switching.row.items())
+        if is_near and is_same and event.kind != "slip":
             return i
     return None
 
@@ -774,36 +810,40 @@ def _cycle(orbit: OrbitInDigits, place: int, event: Event) -> Cycle | None:
     n = len(orbit.pieces)
     slopes = orbit.slopes()
     unit = orbit.context.eye(2)
-    once = unit
+    # The derivatives of t and x after a period by those at the point, and after several ones: as
+    # many as it takes until a box of some shape is contracted.
+    one_period = unit
     for j in range(place, place + n):
-        once = slopes[j % n] * once
-    whole = once
+        one_period = slopes[j % n] * one_period
+    all_periods = one_period
     turns = 1
-    shape = _contracted_box(whole)
+    shape = _contracted_box(all_periods)
     while shape is None:
         turns += 1
         if turns > MOST_TURNS:
             raise NothingProposed("a norm in which the orbit attracts is not found")
-        whole = once * whole
-        shape = _contracted_box(whole)
+        all_periods = one_period * all_periods
+        shape = _contracted_box(all_periods)
     t, x = orbit.points[place]
-    gone = round(float((event.t - t) / orbit.turn))  # periods before the event
+    before = round(float((event.t - t) / orbit.turn))  # periods before the event
     places = 10**BOX_PLACES
     middle = tuple(
-        Fraction(round(fraction(each) * places), places) for each in (t + gone * orbit.turn, x)
+        Fraction(round(fraction(value) * places), places) for value in (t + before * orbit.turn, x)
     )
+    # The box has the shape, and has the event well inside.
     errors = event.t_error, event.x_error
-    off = [
+    distances = [
         abs(fraction(value) - c) + 2 * Fraction(error)
         for value, c, error in zip((event.t, event.x), middle, errors, strict=True)
     ]
-    largest = max(LEAST_BOX, *(BOX_MARGIN * a / w for a, w in zip(off, shape, strict=True)))
-    widths = tuple(Fraction(one_digit(largest * w)) for w in shape)
+    scales = (BOX_MARGIN * off / side for off, side in zip(distances, shape, strict=True))
+    scale = max(LEAST_BOX, *scales)
+    widths = tuple(Fraction(one_digit(scale * side)) for side in shape)
     if max(widths) > NEAR_ARRIVAL:
         return None
     reaches = []
     D = unit
-    sizes = [orbit.context.mpf(w.numerator) / w.denominator for w in widths]
+    sizes = [orbit.context.mpf(width.numerator) / width.denominator for width in widths]
     for j in range(place, place + turns * n + 1):
         reaches.append(
             tuple(fraction(sum(abs(D[i, k]) * sizes[k] for k in (0, 1))) for i in (0, 1))
@@ -818,14 +858,20 @@ def _contracted_box(D: Any) -> tuple[Fraction, Fraction] | None:
     it, or None.
     """
     sizes = [[abs(float(D[i, j])) for j in (0, 1)] for i in (0, 1)]
+
+    def image_of(sides: list[float]) -> list[float]:
+        """Return the sides of the smallest box that contains the image of a box."""
+        return [sum(a * b for a, b in zip(row, sides, strict=True)) for row in sizes]
+
+    # By power iteration towards the eigenvector of |D|, the shape that is contracted most; a little
+    # is added so that no side becomes 0.
     sides = [1.0, 1.0]
-    for _ in range(60):  # towards the eigenvector of |D|
-        images = [sum(a * b for a, b in zip(row, sides, strict=True)) for row in sizes]
-        sides = [image + 1e-3 * max(sides) for image in images]
+    for _ in range(POWER_STEPS):
+        sides = [image + LEAST_SHARE * max(sides) for image in image_of(sides)]
         sides = [side / max(sides) for side in sides]
-    images = [sum(a * b for a, b in zip(row, sides, strict=True)) for row in sizes]
-    if max(image / side for image, side in zip(images, sides, strict=True)) < MOST_Q:
-        return Fraction(f"{sides[0]:.2g}"), Fraction(f"{sides[1]:.2g}")
+    if max(image / side for image, side in zip(image_of(sides), sides, strict=True)) < MOST_Q:
+        side_t, side_x = sides
+        return Fraction(f"{side_t:.2g}"), Fraction(f"{side_x:.2g}")
     return None
 
 
@@ -837,40 +883,44 @@ def _cycle_entries(
     """
     n = len(orbit.pieces)
     length = n * cycle.turns
-    what = [each for each, _, _ in orbit.switchings(cycle.place)[:-1]]
+    # What happens at each event of a period, and t and x of it.
+    heads = [switching.row for switching in orbit.switchings(cycle.place)[:-1]]
     points = [
         (fraction(t), fraction(x))
         for t, x in (orbit.points[(cycle.place + j) % n] for j in range(n))
     ]
-    gone = round((cycle.middle[0] - points[0][0]) / turn)
-    # t of each event of the cycle, for the orbit
-    times = []
+    positions = [x for _, x in points]
+    middle_t, _ = cycle.middle
+    first_t, _ = points[0]
+    before = round((middle_t - first_t) / turn)  # periods before the cycle
+    times = []  # t of each event of the cycle, for the orbit
     for j in range(length + 1):
-        later = gone + (cycle.place + j) // n
-        times.append(points[j % n][0] + later * turn)
-    box = [
-        [show_decimal(c - w), show_decimal(c + w)]
-        for c, w in zip(cycle.middle, cycle.widths, strict=True)
-    ]
-    rows = [arrival | {"t": box[0], "x": box[1]}]
+        t, _ = points[j % n]
+        times.append(t + (before + (cycle.place + j) // n) * turn)
+    box_t, box_x = (
+        [show_decimal(c - width), show_decimal(c + width)]
+        for c, width in zip(cycle.middle, cycle.widths, strict=True)
+    )
+    rows = [arrival | {"t": box_t, "x": box_x}]
     for j in range(1, length + 1):
-        row = dict(what[j % n])
-        for name, value, reach in zip(
-            "tx", (times[j], points[j % n][1]), cycle.reaches[j], strict=True
-        ):
+        row = dict(heads[j % n])
+        values = times[j], positions[j % n]
+        for name, value, reach in zip("tx", values, cycle.reaches[j], strict=True):
             row[name] = outward((value - 2 * reach, value + 2 * reach), BOX_PLACES)
         rows.append(row)
+    # The events until t_end: those of whole cycles, and of the last cycle those that are left (the
+    # arrival is not counted).
     span = cycle.turns * turn
     cycles = max(0, floor((task.t_end - times[0]) / span))
-    left = sum(each + cycles * span < task.t_end for each in times[:-1]) - 1
+    left = sum(t + cycles * span < task.t_end for t in times[:-1]) - 1
     total = cycles * length + left
     last = []
     for number in range(max(1, total - n + 1), total + 1):
         k, j = divmod(number, length)
-        values = times[j] + k * span, points[j % n][1]
-        row = dict(what[j % n])
+        values = times[j] + k * span, positions[j % n]
+        row = dict(heads[j % n])
         for name, value, reach in zip("tx", values, cycle.reaches[j], strict=True):
-            spare = 2 * reach * Fraction(cycle.q**k)
+            spare = 2 * reach * Fraction(cycle.q**k)  # k cycles contract it by q each
             row[name] = known((value - spare, value + spare), task.digits)
         last.append(row)
     return {

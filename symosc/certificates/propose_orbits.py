@@ -58,6 +58,7 @@ ORBIT_DIGITS = (50, 120)
 BOXES = (1e-14, 1e-18, 1e-24, 1e-32)
 #: How many times the first-order value a hint for the checker is.
 SPARE = 32
+LEAST_REACH = Fraction(1, 10**60)
 MULTIPLIER_PLACES = 16
 #: Multipliers that differ by less than twice this are enclosed together.
 NEARLY_DOUBLE = Fraction(1, 2**45)
@@ -120,11 +121,11 @@ def certify_orbit(
         if failed:
             reason = f"not decided: {failed[0].text} fails near t = {failed[0].t:.15g}"
             break
-        for part in BOXES:
-            found = _proposed_orbit(p, word, orbit, part, digits)
-            if found.proven:
-                return found
-            refused = refused or found
+        for share in BOXES:
+            certificate = _proposed_orbit(p, word, orbit, share, digits)
+            if certificate.proven:
+                return certificate
+            refused = refused or certificate
         break
     if refused is not None:
         reason = refused.message
@@ -140,9 +141,9 @@ def certify_orbit(
 
 
 def _proposed_orbit(
-    p: Parameters, word: Word, orbit: OrbitInDigits, part: float, digits: int
+    p: Parameters, word: Word, orbit: OrbitInDigits, share: float, digits: int
 ) -> Certificate:
-    """Return the certificate of an orbit that is to be alone in a box, a `part` of the period and
+    """Return the certificate of an orbit that is to be alone in a box, a `share` of the period and
     of the largest position.
     """
     n = len(orbit.pieces)
@@ -151,8 +152,8 @@ def _proposed_orbit(
     begin = next(i for i in range(n) if not pieces[i - 1].sticks)
     largest = 1 + max(abs(fraction(x)) for _, x in orbit.points)
     # Half-widths of the box in t and in x.
-    half_t = one_digit(Fraction(part) * fraction(orbit.turn))
-    half_x = one_digit(Fraction(part) * largest)
+    half_t = one_digit(Fraction(share) * fraction(orbit.turn))
+    half_x = one_digit(Fraction(share) * largest)
     # A hint for the checker: how far apart in time motions from the box meet each event. Its balls
     # are wider than the set.
     slopes = orbit.slopes()
@@ -163,14 +164,10 @@ def _proposed_orbit(
     for i in range(begin, begin + n):
         moved = slopes[i % n] * moved
         reaches.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
-    least = Fraction(1, 10**60)
     rows: list[Record] = []
-    for (what, t, x), reach in zip(orbit.switchings(begin), reaches, strict=True):
-        rows.append(
-            what
-            | {"t": outward(around(t, 0), DIGITS), "x": outward(around(x, 0), DIGITS)}
-            | {"reach": one_digit(max(fraction(reach), least))}
-        )
+    for (head, t, x), reach in zip(orbit.switchings(begin), reaches, strict=True):
+        enclosures = {"t": outward(around(t, 0), DIGITS), "x": outward(around(x, 0), DIGITS)}
+        rows.append(head | enclosures | {"reach": one_digit(max(fraction(reach), LEAST_REACH))})
     both = multipliers_of(orbit.equations, orbit.solution)
     statement = made_by(digits) | {
         "parameters": p.as_dict(),
@@ -190,10 +187,10 @@ def _proposed_orbit(
 
 def _multipliers(both: tuple[Number, Number]) -> list[Record]:
     """Return enclosures of both multipliers, as the file states them."""
-    parts = [(fraction(each.real), fraction(each.imag)) for each in both]
+    parts = [(fraction(multiplier.real), fraction(multiplier.imag)) for multiplier in both]
     (re, im), (re2, im2) = parts
     reach = NEARLY_DOUBLE
-    if any(parts[1]) and max(abs(re - re2), abs(im - im2)) < 2 * reach:
+    if (re2 or im2) and max(abs(re - re2), abs(im - im2)) < 2 * reach:
         # Real or complex: the checker may not be able to tell.
         middle = (re + re2) / 2
         row = {"re": decimals((middle - reach, middle + reach)), "im": decimals((-reach, reach))}
@@ -210,7 +207,7 @@ def decimals(ends: Interval) -> list[str]:
 
 def _stable(both: tuple[Number, Number]) -> bool | None:
     """Return whether both multipliers are inside the unit circle; None if one is on it."""
-    gap = float(1 - max(abs(each) for each in both))
+    gap = float(1 - max(abs(multiplier) for multiplier in both))
     if abs(gap) < MARGINAL:
         return None
     return gap > 0
@@ -254,9 +251,11 @@ class ProposedFamily(NamedTuple):
     def row(self) -> Record:
         """Return the interval and the box as a row of the file."""
         boxes = [_box(three) for three in zip(*self.values, strict=True)]
-        # The first event a period later: the checker adds the period to what it knows of the first.
-        turns = _box([values[-2] - values[0] for values in self.values])
-        boxes[-2] = (boxes[0][0] + turns[0], boxes[0][1] + turns[1])
+        # t of the first event a period later (the last but one value, before its x): the checker
+        # adds the period to what it knows of the first.
+        low, high = boxes[0]
+        least_turn, most_turn = _box([values[-2] - values[0] for values in self.values])
+        boxes[-2] = (low + least_turn, high + most_turn)
         texts = [known(ends, BRANCH_DIGITS - 5) for ends in boxes]
         value = [show(self.low), show(self.high)]
         return {"value": value, "t": texts[::2], "x": texts[1::2]}
@@ -340,8 +339,8 @@ class BranchProposal:
             first = self.orbit(low, first)
         middle = self.orbit((low + high) / 2, first.points)
         ahead = [
-            (2 * b - a, 2 * d - c)
-            for (a, c), (b, d) in zip(first.points, middle.points, strict=True)
+            (2 * t - t_before, 2 * x - x_before)
+            for (t_before, x_before), (t, x) in zip(first.points, middle.points, strict=True)
         ]
         last = self.orbit(high, ahead)
         values = tuple(_values(orbit) for orbit in (first, middle, last))
@@ -371,7 +370,7 @@ class BranchProposal:
         self, rows: list[Record], ends: list[Record], stable: bool | None, family: ProposedFamily
     ) -> Record:
         """Return the contents of a file with these rows and ends; `family` is one of the rows."""
-        events = [what for what, _, _ in family.last.switchings(0)]
+        events = [switching.row for switching in family.last.switchings(0)]
         return made_by(BRANCH_DIGITS) | {
             "parameters": self.p.as_dict(),
             "parameter": self.name,
@@ -479,9 +478,10 @@ class BranchProposal:
             beyond = self._between(inside, outside, within.points)
             last = self.orbit(outside, within.points)
             box = beyond.row()
-            for kind, text, t in broken(last):
-                row = {"kind": kind, "inside": show(inside), "outside": show(outside)}
-                row |= {"inequality": text, "at": show_decimal(Fraction(f"{float(t):.16g}"))}
+            for violation in broken(last):
+                at = show_decimal(Fraction(f"{float(violation.t):.16g}"))
+                row = {"kind": violation.kind, "inside": show(inside), "outside": show(outside)}
+                row |= {"inequality": violation.text, "at": at}
                 row |= {"t": box["t"], "x": box["x"]}
                 if not self._refusal(next_to_it, {side: row}, None):
                     return row
@@ -496,18 +496,27 @@ class BranchProposal:
 
 def _values(orbit: OrbitInDigits) -> list[Fraction]:
     """Return t and x of all events of a period, the first one again at its end."""
-    return [fraction(each) for _, t, x in orbit.switchings(0) for each in (t, x)]
+    return [fraction(value) for _, t, x in orbit.switchings(0) for value in (t, x)]
 
 
-def broken(orbit: OrbitInDigits) -> Iterator[tuple[str, str, Number]]:
-    """Yield the inequalities that a root violates, in the words of the checker: kind of end,
-    inequality, time.
+class Violation(NamedTuple):
+    """An inequality that a root violates, in the words of the checker: the kind of branch end where
+    it first fails, the inequality, and the time at which it is violated.
     """
+
+    kind: str
+    text: str
+    t: Number
+
+
+def broken(orbit: OrbitInDigits) -> Iterator[Violation]:
+    """Yield the inequalities that a root of the closing equations violates."""
     equations = orbit.equations
     Omega = equations.K.Om
     spans = equations.spans(orbit.solution)
     for i, span in enumerate(spans):
         piece, start, end, tau = span
+        (_, start_theta) = start
         following = orbit.pieces[(i + 1) % len(spans)]
         label = piece.label
         if tau < 0:
@@ -516,33 +525,36 @@ def broken(orbit: OrbitInDigits) -> Iterator[tuple[str, str, Number]]:
                 kind = "vanishing of a stick"
             elif piece.after_stick:
                 kind = "vanishing of a slip"
-            yield kind, f"{label} lasts", start[1] / Omega
+            yield Violation(kind, f"{label} lasts", start_theta / Omega)
             continue
         if piece.sticks:
             for hold, theta, domain in holding_forces(equations, span):
                 if hold < 0:
                     sign = ">" if domain == piece.start else "<"
-                    yield "birth of a slip", f"F^({domain}) {sign} 0 during {label}", theta / Omega
+                    text = f"F^({domain}) {sign} 0 during {label}"
+                    yield Violation("birth of a slip", text, theta / Omega)
             continue
         for gap, theta, belt in clearances(equations, span):
             if gap < 0:
                 sign = ">" if piece.mode > belt else "<"
-                yield "grazing", f"v {sign} v{belt} during {label}", theta / Omega
+                yield Violation("grazing", f"v {sign} v{belt} during {label}", theta / Omega)
         if piece.after_stick:
             sign = ">" if piece.mode > piece.start else "<"
             text = f"v {sign} v{piece.start} during {label}"
-            yield "vanishing of a slip", text, (start[1] / Omega + tau / 1000)
+            # If it leaves the belt to the wrong side, that is seen soon after the start.
+            yield Violation("vanishing of a slip", text, start_theta / Omega + tau / 1000)
         yield from _broken_at_end(orbit, piece, following, end)
 
 
 def _broken_at_end(
     orbit: OrbitInDigits, piece: Any, following: Any, end: tuple[Number, Number]
-) -> Iterator[tuple[str, str, Number]]:
+) -> Iterator[Violation]:
     """Yield the signs of forces that a root violates where a flight ends, as `broken` does."""
     equations = orbit.equations
     belt = piece.end
     v = equations.belt(belt).v
-    forces = [equations.force(domain, end[0], v, end[1]) for domain in (belt, belt + 1)]
+    x, theta = end
+    forces = [equations.force(domain, x, v, theta) for domain in (belt, belt + 1)]
     # A crossing asks that both forces point along the motion, a stick for F below > 0 > F above.
     upward = piece.mode == belt
     for domain, force in zip((belt, belt + 1), forces, strict=True):
@@ -552,12 +564,14 @@ def _broken_at_end(
         if sign * force > 0:
             continue
         kind = "birth of a stick"
-        if domain == piece.mode or forces[0] == forces[1]:
+        has_no_jump = forces[0] == forces[1]
+        if domain == piece.mode or has_no_jump:
             kind = "grazing"
         elif following.sticks:
             kind = "birth of a slip"
         relation = ">" if sign > 0 else "<"
-        yield kind, f"F^({domain}) {relation} 0 where {piece.label} ends", end[1] / equations.K.Om
+        text = f"F^({domain}) {relation} 0 where {piece.label} ends"
+        yield Violation(kind, text, theta / equations.K.Om)
 
 
 # -- windows ---------------------------------------------------------------------------------------
@@ -583,9 +597,16 @@ def certify_window(window: GrazingWindow) -> Certificate:
     return confirmed("window", statement)
 
 
-def _grazing_phases(window: GrazingWindow) -> tuple[str, list[tuple[Number, Fraction, int]]]:
-    """Return in words where a contact grazes, and the ends of an arc: phase, sine, sign of the
-    cosine.
+class WindowEnd(NamedTuple):
+    """A phase at which s = 0, its exact sine, and the sign of its cosine."""
+
+    phase: Number
+    sine: Fraction
+    cosine: int
+
+
+def _grazing_phases(window: GrazingWindow) -> tuple[str, list[WindowEnd]]:
+    """Return in words where a contact grazes, and the ends of an arc.
 
     An arc reaches from its first end, with growing theta, to its second.
     """
@@ -602,7 +623,8 @@ def _grazing_phases(window: GrazingWindow) -> tuple[str, list[tuple[Number, Frac
     if abs(sine) == 1:
         if bias < 0 or window.order == "full":
             return always, []
-        return BUT_ONE_PHASE, [(context.pi * (1 if sine > 0 else 3) / 2, sine, 0)]
+        phase = context.pi * (1 if sine > 0 else 3) / 2
+        return BUT_ONE_PHASE, [WindowEnd(phase, sine, 0)]
     rising = context.asin(context.mpf(sine.numerator) / sine.denominator)
     falling = context.pi - rising
     # s > 0 from where it rises through 0 to where it falls.
@@ -614,4 +636,4 @@ def _grazing_phases(window: GrazingWindow) -> tuple[str, list[tuple[Number, Frac
         first = first + 2 * context.pi
     while not second > first:
         second = second + 2 * context.pi
-    return ON_AN_ARC, [(first, sine, cosine), (second, sine, -cosine)]
+    return ON_AN_ARC, [WindowEnd(first, sine, cosine), WindowEnd(second, sine, -cosine)]

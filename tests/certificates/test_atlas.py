@@ -20,7 +20,7 @@ import symosc.certificates.verify_orbits as checker
 from symosc import Atlas, ParameterError, atlas, certify, find_orbit
 from symosc.certificates.balls import OscillatorInBalls, ball
 from symosc.certificates.verify_orbits import BallOscillator as InBalls
-from symosc.certificates.verify_orbits import Flight, judge, marks
+from symosc.certificates.verify_orbits import Flight, PartOfFlight, judge, marks
 from symosc.model import PARAMETER_NAMES, by_name
 from symosc.orbits.border import borders_between
 
@@ -443,7 +443,7 @@ def test_long_words_end_at_the_limit_of_work() -> None:
 
 
 def test_a_stiff_spring_takes_no_memory() -> None:
-    assert len(marks([(True, arb(0), arb(1))], arb("1e-5"))) < 20
+    assert len(marks([PartOfFlight(True, arb(0), arb(1))], arb("1e-5"))) < 20
     stiff = AT_REST.replace(k="1e20")
     o = OscillatorInBalls(stiff, by_name(stiff, ball))
     flights = atlases._flights(("P2", "P1", "P3", "P1"), stiff, ("Omega", "FN"))
