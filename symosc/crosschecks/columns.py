@@ -39,7 +39,6 @@ FEWEST_PAIRS = 12
 LEAST_CORRELATION = -0.25
 FEWEST = 8
 Columns = tuple[np.ndarray, np.ndarray, np.ndarray]
-POSITIONS_ALONE = ("with positions alone", None, lambda t, x, v: (t, x, None))
 
 
 # -- signs, places and units -----------------------------------------------------------------------
@@ -56,9 +55,8 @@ def other_columns(case: FaultySteps) -> Iterator[Explanation]:
     s = case.steps
     for candidate in changed_columns(case.parameters, s.t, s.x, s.v):
         columns = candidate.columns(s.t, s.x, s.v)  # type: ignore[misc]
-        yield candidate._replace(
-            diagnosis=replace(candidate.diagnosis, share=case.share_mended_by(*columns))
-        )
+        share = case.share_mended_by(*columns)
+        yield candidate._replace(diagnosis=replace(candidate.diagnosis, share=share))
 
 
 def changed_columns(
@@ -76,20 +74,20 @@ def changed_columns(
             if not _is_same_way(*change.columns(t, x, v)):
                 continue
         diagnosis = Diagnosis(change.cause, change.subject, change.words, "", change.value, error)
-        yield Explanation(diagnosis, change.how, columns=change.columns)
+        yield Explanation(diagnosis, change.result, columns=change.columns)
 
 
 class Change(NamedTuple):
     """What somebody may have done to the columns by mistake, and how to undo it.
 
-    `how` says what the columns then are, such as "with -x"; `value` is the factor of other units,
+    `result` says what the columns then are, such as "with -x"; `value` is the factor of other units,
     or the speed of a belt.
     """
 
     cause: str
     subject: str
     words: str
-    how: str
+    result: str
     columns: Callable[..., Columns]
     value: float | None = None
 
@@ -106,14 +104,22 @@ def _other_signs(p: Parameters) -> Iterator[Change]:
         speed = float(p.belt(boundary))
         if speed:
             words = f"v is the velocity relative to belt {boundary}"
-            how = f"with v + v{boundary}"
-            yield Change("columns", "v", words, how, partial(_faster, speed), speed)
-    how = "with v of the next sample"
-    make = lambda t, x, v: (t[:-1], x[:-1], v[1:])  # noqa: E731
-    yield Change("columns", "v", "v is one sample late", how, make)
-    how = "with v of the sample before"
-    make = lambda t, x, v: (t[1:], x[1:], v[:-1])  # noqa: E731
-    yield Change("columns", "v", "v is one sample early", how, make)
+            result = f"with v + v{boundary}"
+            yield Change("columns", "v", words, result, partial(_faster, speed), speed)
+    result = "with v of the next sample"
+    yield Change("columns", "v", "v is one sample late", result, _with_next_v)
+    result = "with v of the sample before"
+    yield Change("columns", "v", "v is one sample early", result, _with_v_before)
+
+
+def _with_next_v(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    """Return the columns with v of the next sample; the last sample has none."""
+    return t[:-1], x[:-1], v[1:]
+
+
+def _with_v_before(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    """Return the columns with v of the sample before; the first sample has none."""
+    return t[1:], x[1:], v[:-1]
 
 
 def _other_units(p: Parameters) -> Iterator[Change]:
@@ -135,9 +141,9 @@ def _other_units(p: Parameters) -> Iterator[Change]:
     ]
     for name, factor, words in units:
         if factor != 1.0:
-            how = f"with {name} divided by {factor:.17g}"
-            make = partial(_divided, name.split(" and "), factor)
-            yield Change("columns", name, words, how, make, factor)
+            result = f"with {name} divided by {factor:.17g}"
+            columns = partial(_divided, name.split(" and "), factor)
+            yield Change("columns", name, words, result, columns, factor)
 
 
 def _is_same_way(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> bool:
@@ -150,6 +156,7 @@ def _is_same_way(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> bool:
 
 
 def _faster(speed: float, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    """Return the columns with a belt's speed added to v."""
     return t, x, v + speed
 
 
@@ -166,29 +173,17 @@ def _divided(names: list[str], factor: float, *columns: np.ndarray) -> Columns:
 
 
 def velocity_column(case: FaultySteps) -> Iterator[Explanation]:
-    """Yield the diagnosis that only v is wrong.
-
-    Made of differences of x, or belonging to times between samples.
+    """Yield the diagnosis that only v is wrong: made of differences of x, or belonging to times
+    between samples.
     """
     s = case.steps
     h = np.diff(case.steps.t)
     if len(s.t) < FEWEST or np.any(h <= 0.0):
         return
-    slopes = np.diff(s.x) / h
-    made = {
-        "v is gradient(x): differences of neighbouring x": np.gradient(s.x, s.t),
-        "v is the difference of x to the sample before, over the step": np.append(np.nan, slopes),
-        "v is the difference of x to the next sample, over the step": np.append(slopes, np.nan),
-    }
-    # To 9 digits, but for what the rounding of x makes of differences over short steps.
-    allowed = 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h)
-    for words, v in made.items():
-        off = np.abs(v - s.v)[1:-1] / np.max(np.abs(s.v))
-        if np.mean(off <= allowed) >= 1.0 - EXCEPTIONS:
-            yield Explanation(
-                Diagnosis("columns", "v", words, "repeats v to 9 digits"), *POSITIONS_ALONE
-            )
-            return
+    words = _difference_that_v_is(case, h)
+    if words:
+        yield _positions_alone(Diagnosis("columns", "v", words, "repeats v to 9 digits"))
+        return
     exact = _velocities_from_positions(case)
     if exact is None:
         return
@@ -197,21 +192,42 @@ def velocity_column(case: FaultySteps) -> Iterator[Explanation]:
         size = np.median(np.abs(v - s.v[first:]))
     else:
         size = 0.0
-    for part, words in ((0.5, "v is half a sample late"), (-0.5, "v is half a sample early")):
-        beside = _velocities_beside(case, first, v, part)
+    _, allowed_v = case.allowed[0]
+    for share, words in ((0.5, "v is half a sample late"), (-0.5, "v is half a sample early")):
+        beside = _velocities_beside(case, first, v, share)
         misses = np.abs(beside - s.v[first:])[np.isfinite(beside)]
-        agrees = misses <= max(0.02 * size, case.allowed[0, 1])
+        agrees = misses <= max(0.02 * size, allowed_v)
         if len(agrees) and np.mean(agrees) >= 1.0 - EXCEPTIONS:
             evidence = f"repeats {np.mean(agrees):.0%} of v"
-            diagnosis = Diagnosis("columns", "v", words, evidence, part)
-            yield Explanation(diagnosis, *POSITIONS_ALONE)
+            yield _positions_alone(Diagnosis("columns", "v", words, evidence, share))
             return
     if len(case.inside) >= FEWEST_FLIGHTS:
-        share = case.share_mended_by(s.t[first:], s.x[first:], v)
-        diagnosis = Diagnosis(
-            "columns", "v", "v is not the velocity of x; the positions are right", "", share=share
-        )
-        yield Explanation(diagnosis, *POSITIONS_ALONE)
+        words = "v is not the velocity of x; the positions are right"
+        share_mended = case.share_mended_by(s.t[first:], s.x[first:], v)
+        yield _positions_alone(Diagnosis("columns", "v", words, "", share=share_mended))
+
+
+def _positions_alone(diagnosis: Diagnosis) -> Explanation:
+    """Return the explanation that has a diagnosis and is tested without the column v."""
+    return Explanation(diagnosis, "with positions alone", columns=lambda t, x, v: (t, x, None))
+
+
+def _difference_that_v_is(case: FaultySteps, h: np.ndarray) -> str:
+    """Return in words which difference of positions over steps `h` the column v is; "" if none."""
+    s = case.steps
+    slopes = np.diff(s.x) / h
+    differences = {
+        "v is gradient(x): differences of neighbouring x": np.gradient(s.x, s.t),
+        "v is the difference of x to the sample before, over the step": np.append(np.nan, slopes),
+        "v is the difference of x to the next sample, over the step": np.append(slopes, np.nan),
+    }
+    # To 9 digits, but for what the rounding of x makes of differences over short steps.
+    allowed = 1e-9 + 4.0 * np.finfo(float).eps * np.max(np.abs(s.x)) / np.min(h)
+    for words, v in differences.items():
+        off = np.abs(v - s.v)[1:-1] / np.max(np.abs(s.v))
+        if np.mean(off <= allowed) >= 1.0 - EXCEPTIONS:
+            return words
+    return ""
 
 
 def _velocities_from_positions(case: FaultySteps) -> tuple[int, np.ndarray] | None:
@@ -219,28 +235,27 @@ def _velocities_from_positions(case: FaultySteps) -> tuple[int, np.ndarray] | No
     sample on.
     """
     s = case.steps
-    tolerance = float(case.allowed[0, 0] / case.scales[0])
+    allowed_x, _ = case.allowed[0]
+    scale_x, _ = case.scales
+    without_v = Samples(s.t, s.x, np.full(len(s.t), np.nan))
     try:
-        samples = with_velocities(
-            Samples(s.t, s.x, np.full(len(s.t), np.nan)), case.parameters, tolerance
-        )
+        samples = with_velocities(without_v, case.parameters, float(allowed_x / scale_x))
     except ParameterError:
         return None
     return len(s.t) - len(samples.t), samples.v
 
 
-def _velocities_beside(case: FaultySteps, first: int, v: np.ndarray, part: float) -> np.ndarray:
+def _velocities_beside(case: FaultySteps, first: int, v: np.ndarray, share: float) -> np.ndarray:
     """Return the exact velocities at times beside the samples from number `first` on, which have
     velocities `v`.
 
-    A positive `part` puts each time before its sample, by this fraction of the step to the sample;
-    a negative one puts it after, by the fraction -`part` of the next step. NaN for a sample without
-    this step.
+    A positive `share` puts each time before its sample, by this share of the step to the sample; a
+    negative one puts it after, by -`share` of the next step. NaN for a sample without this step.
     """
     s = case.steps
     t = s.t[first:]
     x = s.x[first:]
-    time = (t[1:] if part > 0.0 else t[:-1]) - part * np.diff(t)
+    time = (t[1:] if share > 0.0 else t[:-1]) - share * np.diff(t)
     # Pairs of a sample and a state with v = 0 at the time beside: the defect of the step between
     # them is the velocity there.
     begins = np.column_stack([t, x, v])[:-1]
@@ -248,8 +263,8 @@ def _velocities_beside(case: FaultySteps, first: int, v: np.ndarray, part: float
     pair_t, pair_x, pair_v = np.stack([begins, ends], axis=1).reshape(-1, 3).T
     near = np.repeat(case.near[first:][:-1], 2)
     followed = follow_steps(case.parameters, pair_t, pair_x, pair_v, near, case.scales)
-    speeds = followed.defects[::2, 1]
-    if part > 0.0:
+    speeds = followed.defects[::2, 1]  # of v, in each step from a sample to the time beside it
+    if share > 0.0:
         return np.append(np.nan, speeds)
     return np.append(speeds, np.nan)
 
@@ -260,14 +275,14 @@ def frozen_positions(case: FaultySteps) -> Iterator[Explanation]:
     speeds = (float(case.parameters.v1), float(case.parameters.v2))
 
     def moved(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
-        """Move each sample of a stick by the way of the belt since the stick began."""
+        """Return the columns with x of sticks moved by the way of the belt since the stick began."""
         is_frozen = (np.diff(x) == 0.0) & (np.diff(v) == 0.0) & np.isin(v[:-1], speeds)
         way = np.cumsum(np.append(0.0, np.where(is_frozen, v[:-1] * np.diff(t), 0.0)))
         ends_frozen = np.append(False, is_frozen)  # the samples at which such a step ends
         begin = np.maximum.accumulate(np.where(ends_frozen, 0, np.arange(len(t))))
         return t, x + np.where(ends_frozen, way - way[begin], 0.0), v
 
-    x = moved(s.t, s.x, s.v)[1]
+    _, x, _ = moved(s.t, s.x, s.v)
     still = np.flatnonzero((x != s.x)[1:])
     if len(s.t) < FEWEST or not len(still) or not any(speeds):
         return
@@ -276,18 +291,14 @@ def frozen_positions(case: FaultySteps) -> Iterator[Explanation]:
     )
     share = case.share_mended_by(s.t, x, s.v)
     if share > 0.0:
-        yield Explanation(
-            Diagnosis("columns", "x", words, "", share=share),
-            "with x moved on by the belt",
-            columns=moved,
-        )
+        diagnosis = Diagnosis("columns", "x", words, "", share=share)
+        yield Explanation(diagnosis, "with x moved on by the belt", columns=moved)
     # A solver that goes on from where x stood: only the steps of the sticks are wrong.
-    inside = float(np.mean(np.isin(np.flatnonzero(case.wrong), still)))
+    share_in_sticks = float(np.mean(np.isin(np.flatnonzero(case.wrong), still)))
     left = case.sizes.copy()
     left[still] = 0.0
-    yield Explanation(
-        Diagnosis("columns", "x", words, f"{inside:.0%} of the wrong steps are such"), left=left
-    )
+    evidence = f"{share_in_sticks:.0%} of the wrong steps are such"
+    yield Explanation(Diagnosis("columns", "x", words, evidence), left=left)
 
 
 # -- the clock -------------------------------------------------------------------------------------
@@ -304,12 +315,14 @@ def even_times(case: FaultySteps) -> Iterator[Explanation]:
     if off <= 16.0 * np.spacing(np.max(np.abs(t))):
         return
     single = off <= 1e3 * np.spacing(np.float32(np.max(np.abs(t))))
-    words = f"the times are no even grid, by up to {off:.1e}" + (
-        ": single precision" if single else ""
-    )
+    words = f"the times are no even grid, by up to {off:.1e}"
+    if single:
+        words += ": single precision"
+    # Even times may differ from these by half a step, or as 6 digits do.
+    most_off = max(0.5 * step, 2e-6 * float(np.max(np.abs(t))))
     for digits in (0, 7, 6, 5, 4, 3, 2, None):
         even = _even(t, digits)
-        if np.max(np.abs(even - t)) <= max(0.5 * step, 2e-6 * float(np.max(np.abs(t)))):
+        if np.max(np.abs(even - t)) <= most_off:
             share = case.share_mended_by(even, case.steps.x, case.steps.v)
             change = f"with even times, {even[1] - even[0]:.10g} apart,"
             columns = partial(lambda t, x, v, digits: (_even(t, digits), x, v), digits=digits)
@@ -321,37 +334,37 @@ def even_times(case: FaultySteps) -> Iterator[Explanation]:
 def _even(t: np.ndarray, digits: int | None) -> np.ndarray:
     """Return evenly spaced times near `t`.
 
-    The step has `digits` digits, or is exact (0), or the ends have 6 (None).
+    Their step has `digits` digits, or it follows from the first and the last time: as they are
+    (`digits` 0), or rounded to 6 digits (None).
     """
-    # 0: the step follows from the first and the last time; None: from these two rounded to 6
-    # digits.
-    if not digits:
-        if digits == 0:
-            ends = (float(t[0]), float(t[-1]))
-        else:
-            ends = (float(f"{t[0]:.6g}"), float(f"{t[-1]:.6g}"))
-        return np.linspace(*ends, len(t))
+    first = float(f"{t[0]:.6g}")
+    if digits is None:
+        return np.linspace(first, float(f"{t[-1]:.6g}"), len(t))
+    if digits == 0:
+        return np.linspace(float(t[0]), float(t[-1]), len(t))
     step = float(f"{(t[-1] - t[0]) / (len(t) - 1):.{digits}g}")
-    return np.asarray(float(f"{t[0]:.6g}") + step * np.arange(len(t)))
+    return np.asarray(first + step * np.arange(len(t)))
 
 
 def single_times(case: FaultySteps) -> Iterator[Explanation]:
-    """Yield the diagnosis that the times are in single precision.
-
-    Tiny shifts of the times make the steps right.
+    """Yield the diagnosis that the times are in single precision, if tiny shifts of them make the
+    steps right.
     """
     s = case.steps
     chosen = case.inside
     if len(s.t) < FEWEST or not _are_single(s.t) or not len(chosen):
         return
-    force = np.array([s.K.A1, s.K.A2, s.K.A3])[case.domain[chosen] - 1]
-    v = s.v[chosen + 1]
-    a = force + s.K.f0 * np.cos(s.theta[chosen + 1]) - s.K.w0sq * s.x[chosen + 1] - s.K.cm * v
+    # How fast x and v change at the end of each flight.
+    K = s.K
+    after = chosen + 1
+    force = np.array([K.A1, K.A2, K.A3])[case.domain[chosen] - 1]
+    v = s.v[after]
+    a = force + K.f0 * np.cos(s.theta[after]) - K.w0sq * s.x[after] - K.cm * v
     slopes = np.column_stack([v, a]) / case.allowed[chosen]
     misses = s.defects[chosen] / case.allowed[chosen]
     # The shift of each time that leaves least of its defect, by least squares.
     shift = np.sum(slopes * misses, axis=1) / np.sum(slopes * slopes, axis=1)
-    single_units = np.spacing(np.abs(s.t[chosen + 1]).astype(np.float32)).astype(float)
+    single_units = np.spacing(np.abs(s.t[after]).astype(np.float32)).astype(float)
     within = np.abs(shift) <= 2.0 * single_units
     left = np.max(np.abs(misses - slopes * shift[:, None]), axis=1)
     within &= left <= np.maximum(1.0, 0.2 * case.sizes[chosen])
@@ -362,13 +375,13 @@ def single_times(case: FaultySteps) -> Iterator[Explanation]:
     )
     # Elsewhere a defect is explained that is no larger than such shifts make it.
     ticks = 2.0 * np.spacing(np.abs(s.t[1:]).astype(np.float32)).astype(float)
-    fastest = np.max(np.abs(np.column_stack([s.v[chosen + 1], a])), axis=0)
-    small = np.all(np.abs(s.defects) <= np.outer(ticks, fastest) + case.allowed, axis=1)
-    small[chosen] = within
+    fastest = np.max(np.abs(np.column_stack([v, a])), axis=0)
+    is_explained = np.all(np.abs(s.defects) <= np.outer(ticks, fastest) + case.allowed, axis=1)
+    is_explained[chosen] = within
     diagnosis = Diagnosis("columns", "t", "the times are in single precision", evidence, largest)
     # All times are numbers of single precision, which cannot be chance.
     if np.mean(within) >= 0.7:
-        yield Explanation(diagnosis, left=np.where(small | ~case.wrong, 0.0, case.sizes))
+        yield Explanation(diagnosis, left=np.where(is_explained | ~case.wrong, 0.0, case.sizes))
 
 
 def _are_single(t: np.ndarray) -> bool:
@@ -385,15 +398,10 @@ def event_list_faults(check: Verdict) -> Iterator[Diagnosis]:
     missed = check.missed
     invented = check.invented
     evidence = "the samples are right"
-    if (
-        missed
-        and len(missed) == len(invented)
-        and [e.kind for e in missed] == [e.kind for e in invented]
-    ):
-        worst = max(
-            (listed.t - float(exact.t) for listed, exact in zip(invented, missed, strict=True)),
-            key=abs,
-        )
+    # As many of the same kinds, one after another, are the same events at another time.
+    if missed and [event.kind for event in missed] == [event.kind for event in invented]:
+        errors = [listed.t - float(exact.t) for listed, exact in zip(invented, missed, strict=True)]
+        worst = max(errors, key=abs)
         words = (
             f"the list has {counted(len(missed), 'event')} at a wrong time, by up to {worst:.3g}"
         )
@@ -403,10 +411,10 @@ def event_list_faults(check: Verdict) -> Iterator[Diagnosis]:
         ("missing events", missed, "lacks"),
         ("invented events", invented, "has, and the motion has not,"),
     )
-    for cause, events, what in lists:
+    for cause, events, verb in lists:
         if events:
             first = f"{events[0].kind} at t = {float(events[0].t):.10g}"
-            words = f"the list {what} {counted(len(events), 'event')}, first: {first}"
+            words = f"the list {verb} {counted(len(events), 'event')}, first: {first}"
             yield Diagnosis(cause, "", words, evidence, float(len(events)), 0.0)
 
 
@@ -416,18 +424,20 @@ def outliers(case: FaultySteps) -> Iterator[Explanation]:
     check = case.check
     if off:
         rows = [fault.step + 1 for fault in off]
-        share = float(
-            np.mean(np.isin(check.wrong_steps, rows) | np.isin(check.wrong_steps + 1, rows))
-        )
-        are = "is" if len(off) == 1 else "are"
-        words = f"{counted(len(off), 'sample')} {are} off, the first is number {rows[0]}"
+        # Wrong steps that begin or end with such a sample.
+        begins = np.isin(check.wrong_steps, rows)
+        ends = np.isin(check.wrong_steps + 1, rows)
+        share = float(np.mean(begins | ends))
+        verb = "is" if len(off) == 1 else "are"
+        words = f"{counted(len(off), 'sample')} {verb} off, the first is number {rows[0]}"
         size = float(np.median([max(abs(fault.defect_x), abs(fault.defect_v)) for fault in off]))
         diagnosis = Diagnosis("noise", "", words, "", size, None, share)
-        how = "without them" if rows[1:] else "without it"
-        yield Explanation(diagnosis, how, columns=partial(_without, rows))
+        change = "without them" if rows[1:] else "without it"
+        yield Explanation(diagnosis, change, columns=partial(_without, rows))
 
 
 def _without(rows: list[int], t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
+    """Return the columns without the samples `rows`."""
     return np.delete(t, rows), np.delete(x, rows), np.delete(v, rows)
 
 
@@ -464,10 +474,8 @@ def noise(case: FaultySteps) -> Iterator[Explanation]:
 
 
 def _step_correlations(case: FaultySteps, steps: np.ndarray) -> tuple[float, float]:
-    """Return how the defects of steps correlate, in x and in v, with those of the steps after
-    them.
-
-    Each defect is first carried over the next step by the motion.
+    """Return how the defects of steps, carried over the next step by the motion, correlate with
+    the defects of that step, in x and in v.
     """
     s = case.steps
     between = steps + 1

@@ -137,13 +137,13 @@ def find_events(
     for all others. `wrong` marks the wrong steps.
     """
     modes = label.copy()
-    starts = np.flatnonzero(
-        (np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong)
-    )
+    # Runs of samples with one code: a new one begins too where a flight leads back to its belt.
+    begins_run = (np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong)
+    starts = np.flatnonzero(begins_run)
     ends = np.append(starts[1:], len(label)) - 1
     events: list[FoundEvent] = []
     reader = _Reader(steps, wrong)
-    # the last mode of the samples, and the last sample in it
+    # The last mode of the samples (0: none is known yet), and the last sample in it.
     now = 0
     since = 0
 
@@ -185,6 +185,7 @@ def find_events(
                 )
             now = mode
         else:
+            # A contact: the belt is crossed or grazed.
             modes[first : last + 1] = 0
             if last == len(wrong) or wrong[last] or (first and wrong[first - 1]):
                 continue
@@ -192,7 +193,8 @@ def find_events(
             source = int(steps.last[first - 1])
             target = int(steps.first[last])
             if not now:  # a start on the belt is not an event
-                source = now = target
+                source = target
+                now = target
             if {source, target} == set(NEIGHBOURS[mode - ON_BELT]):
                 move_to(source, first)
                 events.append(
@@ -210,14 +212,11 @@ def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) 
     stick to it.
     """
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
-    held[steps.events.step[steps.events.target == label[steps.events.step]]] = True
-    flown = (
-        (label[:-1] > ON_BELT)
-        & (label[1:] == label[:-1])
-        & ~held
-        & ~wrong
-        & (np.diff(steps.t) > 0.0)
-    )
+    begins_stick = steps.events.target == label[steps.events.step]
+    held[steps.events.step[begins_stick]] = True
+    at_same_belt = (label[:-1] > ON_BELT) & (label[1:] == label[:-1])
+    takes_time = np.diff(steps.t) > 0.0
+    flown = at_same_belt & ~held & ~wrong & takes_time
     return np.append(False, flown)
 
 
@@ -264,24 +263,24 @@ class _Reader:
         last_step: int,
         sample: int | None,
     ) -> FoundEvent:
-        """Return an event; its time is that of the exact motion over the steps, or of `sample`, or
-        estimated by v.
+        """Return an event in the steps `step` to `last_step`.
+
+        Its time is that of the exact motion over these steps or, if it does not have the event
+        there, that of `sample` or (None) an estimate by v.
         """
         last_step = min(last_step, len(self.first) - 1)
         i = step
         j = last_step + 1
         events = self.steps.events
-        times: list[float] = []
+        exact_times: list[float] = []
         if self.begin[i] < self.begin[j]:
             rows = slice(self.begin[i], self.begin[j])
-            same = (events.kind[rows] == CODES[kind]) & (events.boundary[rows] == boundary)
-            times = events.t[rows][same].tolist()
-        if times:
+            is_same = (events.kind[rows] == CODES[kind]) & (events.boundary[rows] == boundary)
+            exact_times = events.t[rows][is_same].tolist()
+        spread = self.t[j] - self.t[i]
+        if exact_times:
+            time = exact_times[0]
             spread = 0.0
-        else:
-            spread = self.t[j] - self.t[i]
-        if times:
-            time = times[0]
         elif sample is not None:
             time = self.t[sample]
         else:
@@ -290,25 +289,26 @@ class _Reader:
         return FoundEvent(time, kind, boundary, *names, step, last_step, spread)
 
     def _estimated_time(self, i: int, j: int, speed: float) -> float:
-        """Return when v has a belt's speed between samples i and j.
-
-        At a sample between, or on a line.
+        """Return when v is nearest to a belt's speed between samples i and j: at a sample between
+        them, or where the line through both of them has that speed.
         """
         gaps = [v - speed for v in self.v[i : j + 1]]
         nearest = i + min(range(len(gaps)), key=lambda k: abs(gaps[k]))
         if i < nearest < j:
             return float(self.t[nearest])
-        if gaps[0] * gaps[-1] < 0.0:
-            part = gaps[0] / (gaps[0] - gaps[-1])
+        first_gap = gaps[0]
+        last_gap = gaps[-1]
+        if first_gap * last_gap < 0.0:
+            share = first_gap / (first_gap - last_gap)
         else:
-            part = 0.5
-        return float(self.t[i] + part * (self.t[j] - self.t[i]))
+            share = 0.5
+        return float(self.t[i] + share * (self.t[j] - self.t[i]))
 
 
 def given_events(steps: ExactSteps, pairs: Iterable[tuple[float, str]]) -> list[FoundEvent]:
     """Convert the pairs (t, kind) of a solver's list of events to `FoundEvent`."""
-    return [
-        FoundEvent(time, kind, 0, "", "", step, step)
-        for time, kind in pairs
-        for step in [steps.at(time)[0]]
-    ]
+    events = []
+    for time, kind in pairs:
+        step, _ = steps.at(time)
+        events.append(FoundEvent(time, kind, 0, "", "", step, step))
+    return events

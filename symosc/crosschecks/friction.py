@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from itertools import pairwise
+from itertools import pairwise, product
 from math import atan, cos, pi, sqrt, tanh
 from typing import NamedTuple
 
@@ -40,7 +40,8 @@ def smoothed(case: FaultySteps) -> Iterator[Explanation]:
     steps = case.telling
     largest = steps[np.argsort(-case.sizes[steps])[:FITTED_STEPS]]
     for name, curve in CURVES.items():
-        widths = [width for i in largest.tolist() if (width := _width(case, i, curve)) is not None]
+        fitted_widths = [_width(case, i, curve) for i in largest.tolist()]
+        widths = [width for width in fitted_widths if width is not None]
         if not widths:
             continue
         width = float(np.median(widths))
@@ -63,13 +64,14 @@ def _smoothed_force(
 ) -> Callable[[float, float, float], float]:
     """Return the acceleration with friction of a curve of the given width."""
     K = case.steps.K
-    middle = 0.5 * (K.A1 + K.A3)
+    without_friction = 0.5 * (K.A1 + K.A3)
 
     def force(x: float, v: float, phase: float) -> float:
-        friction = K.belt1.J * curve((v - K.belt1.v) / width) + K.belt2.J * curve(
-            (v - K.belt2.v) / width
-        )
-        return float(acceleration(x, v, cos(phase), middle - 0.5 * friction, K.cm, K.w0sq, K.f0))
+        """Return the acceleration: J is the jump at a belt, from plus to minus its friction."""
+        jump_1 = K.belt1.J * curve((v - K.belt1.v) / width)
+        jump_2 = K.belt2.J * curve((v - K.belt2.v) / width)
+        A = without_friction - 0.5 * (jump_1 + jump_2)
+        return float(acceleration(x, v, cos(phase), A, K.cm, K.w0sq, K.f0))
 
     return force
 
@@ -82,17 +84,20 @@ def _width(case: FaultySteps, i: int, curve: Callable[[float], float]) -> float 
     defect = case.steps.defects[i] / case.allowed[i]
 
     def left(log_width: float) -> float:
-        miss = case.integrated(_smoothed_force(case, float(np.exp(log_width)), curve), step)[0]
+        """Return which part of the defect is left with a curve of this width."""
+        force = _smoothed_force(case, float(np.exp(log_width)), curve)
+        (miss,) = case.integrated(force, step)
         return float(miss @ defect / (defect @ defect))
 
     # The wider the curve, the larger its effect: 1 is left with a narrow one, and less than 0 with
     # one that is too wide.
     logs = np.log(WIDTHS * float(np.diff(case.steps.belts)[0])).tolist()
-    values = [left(logs[0])]
+    left_before = left(logs[0])
     for before, after in pairwise(logs):
-        values.append(left(after))
-        if values[-2] > 0.0 >= values[-1]:
+        left_after = left(after)
+        if left_before > 0.0 >= left_after:
             return float(np.exp(brentq(left, before, after, xtol=WIDTH_DIGITS)))
+        left_before = left_after
     return None
 
 
@@ -100,9 +105,8 @@ def _width(case: FaultySteps, i: int, curve: Callable[[float], float]) -> float 
 
 
 class StickSteps(NamedTuple):
-    """Steps with a stick, as columns.
-
-    Step, belt, state where the stick begins or goes on, and the time of its end.
+    """Steps with a stick, as columns: step, belt, time and state where the stick begins or goes on,
+    and the time of its end.
     """
 
     # In a step that ends while the mass still sticks, `end` is the end of the step.
@@ -124,17 +128,17 @@ def drift(case: FaultySteps) -> Iterator[Explanation]:
     wrong = case.wrong[steps]
 
     def misses(rate: np.ndarray) -> np.ndarray:
-        rows = np.concatenate(
-            [
-                _misses_with_drift(case, sticks, float(rate[0]), side, onto)
-                for side in (0, 1)
-                for onto in (False, True)
-            ]
-        )
-        # Of the four ways of each step the one that misses least counts.
-        step_numbers = np.tile(numbers, 4)
-        order = np.lexsort((larger(rows), step_numbers))
-        return rows[order[np.unique(step_numbers[order], return_index=True)[1]]]
+        """Return what each step misses with a drift of this rate, in the best of four cases."""
+        drift_rate = float(rate[0])
+        cases = [
+            _misses_with_drift(case, sticks, drift_rate, side, onto)
+            for side, onto in product((0, 1), (False, True))
+        ]
+        rows = np.concatenate(cases)
+        step_numbers = np.tile(numbers, len(cases))
+        order = np.lexsort((larger(rows), step_numbers))  # by step, the one that misses least first
+        _, first_of_step = np.unique(step_numbers[order], return_index=True)
+        return rows[order[first_of_step]]
 
     fit = fitted(lambda rate: misses(rate)[wrong], np.zeros(1), np.array([1e-6 * case.scales[1]]))
     if fit is None:
@@ -163,11 +167,11 @@ def _find_sticks(case: FaultySteps) -> StickSteps | None:
     right = case.thinned(stuck[~case.wrong[stuck]], MOST_RIGHT)
     rows = list[tuple[float, ...]]()
     for i in np.union1d(wrong, right).tolist():
-        part = s.events.rows(i, i)
-        times = s.events.t[part]
-        targets = s.events.target[part]
-        belts = s.events.boundary[part]
-        slips = np.flatnonzero(s.events.kind[part] == SLIP)
+        in_step = s.events.rows(i, i)
+        times = s.events.t[in_step]
+        targets = s.events.target[in_step]
+        belts = s.events.boundary[in_step]
+        slips = np.flatnonzero(s.events.kind[in_step] == SLIP)
         if len(slips):
             end = float(times[slips[0]])
         else:
@@ -180,7 +184,7 @@ def _find_sticks(case: FaultySteps) -> StickSteps | None:
             belt = int(belts[k])
             # Off the belt, the sample may be of a stick that goes on, or of a flight to the belt.
             rows.append((i, belt, s.t[i], s.x[i], s.v[i], end))
-            rows.append((i, belt, times[k], s.events.x[part][k], s.belts[belt - 1], end))
+            rows.append((i, belt, times[k], s.events.x[in_step][k], s.belts[belt - 1], end))
     if not rows or not len(wrong):
         return None
     step, boundary, *others = np.array(rows).T
@@ -200,20 +204,21 @@ def _misses_with_drift(
     K = case.steps.K
     speed = s.belts[sticks.boundary - 1]
     domain = sticks.boundary + side
-    lasts = s.t[sticks.step + 1] - sticks.begin
-    time = sticks.end - sticks.begin
-    ends = sticks.end < s.t[sticks.step + 1]
+    step_end = s.t[sticks.step + 1]
+    time_left = step_end - sticks.begin
+    time = sticks.end - sticks.begin  # in the stick
+    ends = sticks.end < step_end
     A = np.take([K.A1, K.A2, K.A3], domain - 1)
     theta = s.theta[sticks.step] + K.Om * (sticks.begin - s.t[sticks.step])
     x = sticks.x + sticks.v * time + 0.5 * rate * time**2
-    # Where the mass is elsewhere, the friction gives way at another time.
+    # Where the mass is elsewhere, the friction gives way at another time: one Newton step to it.
     push = acceleration(x, speed, np.cos(theta + K.Om * time), A, K.cm, K.w0sq, K.f0)
     slope = -K.w0sq * speed - K.f0 * K.Om * np.sin(theta + K.Om * time)
     shift = np.where(ends & (slope != 0.0), -push / np.where(slope != 0.0, slope, 1.0), 0.0)
-    is_small = np.abs(shift) <= 0.1 * (s.t[sticks.step + 1] - s.t[sticks.step])
-    time = np.where(is_small, np.clip(time + shift, 0.0, lasts), time)
+    is_small = np.abs(shift) <= 0.1 * (step_end - s.t[sticks.step])
+    time = np.where(is_small, np.clip(time + shift, 0.0, time_left), time)
     x = sticks.x + sticks.v * time + 0.5 * rate * time**2
     v = sticks.v + rate * time
-    begin = speed if onto else v
-    after = s.fly(domain, x, begin, theta + K.Om * time, lasts - time)
+    launch_v = speed if onto else v
+    after = s.fly(domain, x, launch_v, theta + K.Om * time, time_left - time)
     return case.misses(np.where(ends[:, None], after, np.column_stack([x, v])), sticks.step)

@@ -38,9 +38,8 @@ ONE_FRICTION = 1e-3
 
 
 class Delays(NamedTuple):
-    """Ways to explain steps, as columns.
-
-    An old mode goes on from `begin` up to some time, then comes a new one.
+    """Explanations of steps by events that are late, as columns: in each row an old mode goes on
+    from `begin` up to some time, then comes a new one.
 
     The old mode `source` begins at time, position, velocity and phase `t`, `x`, `v`, `theta`:
     those of the first sample of the step, or of an event in it. `source` and `target` are codes of
@@ -65,98 +64,127 @@ def late_events(case: FaultySteps) -> Iterator[Explanation]:
     """
     s = case.steps
     steps = case.telling
-    ways = _delays(case, steps)
-    if not len(ways.step):
+    delays = _delays(case, steps)
+    if not len(delays.step):
         return
-    likely = _best_ways(case, ways, 1, LIKELY)[0]
-    ways = Delays(*(column[likely] for column in ways))
-    best, part, leaves = _best_ways(case, ways, REFINEMENTS, 1)
-    best = best[leaves[best] <= 1.0]
+    # A rough search for the delay leaves a few rows for each step, a finer one the best of them.
+    likely = _fit_delays(case, delays, 1, LIKELY).rows
+    delays = Delays(*(column[likely] for column in delays))
+    fit = _fit_delays(case, delays, REFINEMENTS, 1)
+    best = fit.rows[fit.misses[fit.rows] <= 1.0]
     left = case.leaving(case.sizes[steps], steps)
-    left[ways.step[best]] = 0.0
+    left[delays.step[best]] = 0.0
     if len(best):
-        kept = Delays(*(column[best] for column in ways))
-        delay = part[best] * (s.t[kept.step + 1] - kept.begin)
-        yield Explanation(_late_words(case, kept, delay, part[best] >= WHOLE), left=left)
+        kept = Delays(*(column[best] for column in delays))
+        share = fit.shares[best]
+        delay = share * (s.t[kept.step + 1] - kept.begin)
+        yield Explanation(_late_words(case, kept, delay, share >= WHOLE), left=left)
 
 
-def _best_ways(
-    case: FaultySteps, ways: Delays, rounds: int, most: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the numbers of the best ways for each step, at most `most`.
+class FittedDelays(NamedTuple):
+    """The best rows of `Delays` for each step and, for all rows, the best delay as a share of what
+    is left of the step, and what is missed with it: at most 1 if the step is explained.
+    """
 
-    Then, for all ways, the best delay as a part of what is left of the step, and what is missed
-    with it: at most 1 if the step is explained.
+    rows: np.ndarray
+    shares: np.ndarray
+    misses: np.ndarray
+
+
+def _fit_delays(case: FaultySteps, delays: Delays, rounds: int, most: int) -> FittedDelays:
+    """Fit the delay of each row, in so many `rounds`, and choose the best rows of each step, at
+    most `most`.
     """
     s = case.steps
-    room = s.t[ways.step + 1] - ways.begin
-    own = np.maximum(1.0, FITS * np.abs(s.defects / case.allowed)[ways.step])  # of x and of v
+    time_left = s.t[delays.step + 1] - delays.begin
+    # Allowed in x and in v: what rounding does, or a small part of the step's own defect.
+    allowed = np.maximum(1.0, FITS * np.abs(s.defects / case.allowed)[delays.step])
 
-    def misses(part: np.ndarray) -> np.ndarray:
-        return np.nan_to_num(
-            larger(_delayed_misses(case, ways, ways.begin + part * room) / own), nan=np.inf
-        )
+    def misses_with(share: np.ndarray) -> np.ndarray:
+        """Return by how much steps are missed if the delays are this share of the time left."""
+        misses = _delayed_misses(case, delays, delays.begin + share * time_left)
+        return np.nan_to_num(larger(misses / allowed), nan=np.inf)
 
-    zero = np.zeros(len(room))
-    part, leaves = best_between(misses, zero, zero + 1.0, DELAY_GRID, zero + 0.5, rounds)
-    order = np.lexsort((leaves, ways.step))  # by step, the best way first
-    begins = np.unique(ways.step[order], return_index=True)[1]
-    rows = np.arange(len(order))
-    rank = rows - begins[np.searchsorted(begins, rows, "right") - 1]  # among the ways of its step
-    return order[rank < most], part, leaves
+    zero = np.zeros(len(time_left))
+    shares, misses = best_between(misses_with, zero, zero + 1.0, DELAY_GRID, zero + 0.5, rounds)
+    order = np.lexsort((misses, delays.step))  # by step, the best row of each first
+    _, first_of_step = np.unique(delays.step[order], return_index=True)
+    places = np.arange(len(order))
+    rank = places - first_of_step[np.searchsorted(first_of_step, places, "right") - 1]
+    return FittedDelays(order[rank < most], shares, misses)
 
 
 def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
     """Return the ways to explain each of `steps` by an event that is late."""
-    s = case.steps
     rows = list[tuple[float, ...]]()
     for i in steps.tolist():
-        here = int(case.domain[i])
-        state: tuple[float, ...] = (s.t[i], s.x[i], s.v[i], s.theta[i])
-        # Mode, belt, begin of the delay, and state where the mode begins.
-        old = list[tuple[int, int, float, tuple[float, ...]]]()
-        # The step may begin after an event that the samples do not know of yet.
-        if here == 0:
-            belt = 1 + int(np.argmin(np.abs(s.v[i] - s.belts)))
-            if i == 0 or case.domain[i - 1] == 0:
-                modes = [ON_BELT + belt]
-            else:
-                modes = [int(case.domain[i - 1])]
-            old += [(mode, belt, s.t[i], state) for mode in modes if mode != s.first[i]]
-        elif i > 0 and case.wrong[i - 1]:
-            # The belt is the first on the way to the domain of the old mode.
-            belts = {mode: here - (mode < here) for mode in (1, 2, 3) if mode != here}
-            old += [(mode, belt, s.t[i], state) for mode, belt in belts.items()]
-        mode = int(s.first[i])
-        events = s.events.rows(i, i)
-        for k in range(events.start, min(events.stop, events.start + MOST_EVENTS)):
-            belt = int(s.events.boundary[k])
-            old.append((mode, belt, s.events.t[k], state))
-            mode = int(s.events.target[k])
-            state = (s.events.t[k], s.events.x[k], s.belts[belt - 1], s.events.theta[k])
-        for mode, belt, begin, state in old:
-            # Each way to go on is the new mode, and the belt whose speed v takes (0: it keeps v).
-            ways_on = (
+        for old in _old_modes(case, i):
+            belt = old.belt
+            # What may follow: a new mode, and the belt whose speed v takes (0: it keeps v).
+            targets_and_onto = (
                 (belt, 0),
                 (belt + 1, 0),
                 (ON_BELT + belt, belt),
                 (belt, belt),
                 (belt + 1, belt),
             )
-            rows += [(i, mode, *way_on, begin, *state) for way_on in ways_on if way_on != (mode, 0)]
+            for target, onto in targets_and_onto:
+                if (target, onto) != (old.mode, 0):  # that would be no event
+                    rows.append((i, old.mode, target, onto, old.begin, *old.state))
     table = np.array(rows, dtype=float).reshape(-1, len(Delays._fields)).T
     step, source, target, onto = table[:4].astype(int)
     return Delays(step, source, target, onto, *table[4:])
 
 
-def _delayed_misses(case: FaultySteps, ways: Delays, time: np.ndarray) -> np.ndarray:
+class OldMode(NamedTuple):
+    """A mode that may go on although an event at a belt ends it at the time `begin`; `state` has
+    t, x, v and theta where the mode begins.
+    """
+
+    mode: int
+    belt: int
+    begin: float
+    state: tuple[float, ...]
+
+
+def _old_modes(case: FaultySteps, i: int) -> list[OldMode]:
+    """Return the modes that may go on for too long in step `i`."""
+    s = case.steps
+    domain = int(case.domain[i])
+    state: tuple[float, ...] = (s.t[i], s.x[i], s.v[i], s.theta[i])
+    old_modes = list[OldMode]()
+    # The step may begin after an event that the samples do not know of yet.
+    if domain == 0:
+        belt = 1 + int(np.argmin(np.abs(s.v[i] - s.belts)))
+        if i == 0 or case.domain[i - 1] == 0:
+            mode = ON_BELT + belt
+        else:
+            mode = int(case.domain[i - 1])
+        if mode != s.first[i]:
+            old_modes.append(OldMode(mode, belt, s.t[i], state))
+    elif i > 0 and case.wrong[i - 1]:
+        # The belt is the first on the way to the domain of the old mode.
+        belts = {mode: domain - (mode < domain) for mode in (1, 2, 3) if mode != domain}
+        old_modes += [OldMode(mode, belt, s.t[i], state) for mode, belt in belts.items()]
+    mode = int(s.first[i])
+    events = s.events.rows(i, i)
+    for k in range(events.start, min(events.stop, events.start + MOST_EVENTS)):
+        belt = int(s.events.boundary[k])
+        old_modes.append(OldMode(mode, belt, s.events.t[k], state))
+        mode = int(s.events.target[k])
+        state = (s.events.t[k], s.events.x[k], s.belts[belt - 1], s.events.theta[k])
+    return old_modes
+
+
+def _delayed_misses(case: FaultySteps, delays: Delays, time: np.ndarray) -> np.ndarray:
     """Return by how much the ends of steps are missed if old modes go on up to a `time` each."""
     s = case.steps
-    x, v = _moved(case, ways.source, np.array([ways.x, ways.v]), ways.theta, time - ways.t)
-    v = np.where(ways.onto > 0, s.belts[ways.onto - 1], v)
-    theta = ways.theta + s.K.Om * (time - ways.t)
-    x, v = _moved(case, ways.target, np.array([x, v]), theta, s.t[ways.step + 1] - time)
-    return case.misses(np.column_stack([x, v]), ways.step)
+    start = np.array([delays.x, delays.v])
+    x, v = _moved(case, delays.source, start, delays.theta, time - delays.t)
+    v = np.where(delays.onto > 0, s.belts[delays.onto - 1], v)
+    theta = delays.theta + s.K.Om * (time - delays.t)
+    x, v = _moved(case, delays.target, np.array([x, v]), theta, s.t[delays.step + 1] - time)
+    return case.misses(np.column_stack([x, v]), delays.step)
 
 
 def _moved(
@@ -171,18 +199,20 @@ def _moved(
     return np.where(held, [x + speed * tau, speed], flown)
 
 
-def _late_words(case: FaultySteps, ways: Delays, delay: np.ndarray, whole: np.ndarray) -> Diagnosis:
-    """Return the diagnosis of late events, which explain steps by the given ways and delays."""
+def _late_words(
+    case: FaultySteps, delays: Delays, delay: np.ndarray, is_whole: np.ndarray
+) -> Diagnosis:
+    """Return the diagnosis of late events, which explain a step by each row of `delays` and its
+    `delay`; `is_whole` marks delays up to the end of the step.
+    """
     count = len(delay)
-    first = f"the first wrong one begins at t = {float(case.steps.t[ways.step[0]]):.10g}"
-    known = ways.begin > case.steps.t[ways.step]  # those with the event in the step
-    held = ways.source > ON_BELT
-    if np.all(held):
+    first = f"the first wrong one begins at t = {float(case.steps.t[delays.step[0]]):.10g}"
+    if np.all(delays.source > ON_BELT):
         words = (
             "sticks end too late: the samples go on with the belt where it does not hold any more "
             f"({first})"
         )
-        ratio, spread = _friction_at_ends(case, ways, delay)
+        ratio, spread = _friction_at_ends(case, delays, delay)
         evidence = f"{counted(count, 'step')} tried and explained by it"
         if count > 1 and spread <= ONE_FRICTION * ratio:
             words += (
@@ -191,7 +221,10 @@ def _late_words(case: FaultySteps, ways: Delays, delay: np.ndarray, whole: np.nd
             )
             return Diagnosis("late events", "stick", words, evidence, ratio, spread)
         return Diagnosis("late events", "stick", words, evidence, float(np.max(delay)), None)
-    seen = known & ~(whole & (case.domain[ways.step + 1] == ways.source))
+    # The event shows if it begins in the step, and the old mode does not go on to the next sample.
+    begins_in_step = delays.begin > case.steps.t[delays.step]
+    goes_on = is_whole & (case.domain[delays.step + 1] == delays.source)
+    seen = begins_in_step & ~goes_on
     if 2 * np.sum(seen) <= count:
         words = f"events are missed: the motion goes on as if it had not met a belt ({first})"
         evidence = f"the force from before the event explains {counted(count, 'step')} tried"
@@ -205,23 +238,26 @@ def _late_words(case: FaultySteps, ways: Delays, delay: np.ndarray, whole: np.nd
     return Diagnosis("late events", "", words, evidence, float(np.mean(late)), float(np.std(late)))
 
 
-def _friction_at_ends(case: FaultySteps, ways: Delays, delay: np.ndarray) -> tuple[float, float]:
-    """Return the friction where sticks end, divided by the largest of the flight.
-
-    Its median and its deviation.
+def _friction_at_ends(case: FaultySteps, delays: Delays, delay: np.ndarray) -> tuple[float, float]:
+    """Return the median and the largest deviation of the friction where sticks end, divided by that
+    of a flight.
     """
     s = case.steps
     K = case.steps.K
-    ends = (ways.begin + delay < s.t[ways.step + 1]) & (delay > 0.0)
+    ends_in_step = delays.begin + delay < s.t[delays.step + 1]
+    ends = ends_in_step & (delay > 0.0)
     if not np.any(ends):
         return np.nan, np.inf
-    time = (ways.begin + delay - ways.t)[ends]
-    belt = ways.source[ends] - ON_BELT
-    x = ways.x[ends] + s.belts[belt - 1] * time
+    time = (delays.begin + delay - delays.t)[ends]
+    belt = delays.source[ends] - ON_BELT
+    speed = s.belts[belt - 1]
+    x = delays.x[ends] + speed * time
+    # The friction of a flight is half the jump of the force; the force without friction, the mean
+    # of those below and above the belt, is what friction has to hold.
     A = np.array([K.A1, K.A2, K.A3])
     half = 0.5 * (A[belt - 1] - A[belt])
-    cosine = np.cos(ways.theta[ends] + K.Om * time)
-    push = acceleration(x, s.belts[belt - 1], cosine, A[belt] + half, K.cm, K.w0sq, K.f0)
+    cosine = np.cos(delays.theta[ends] + K.Om * time)
+    push = acceleration(x, speed, cosine, A[belt] + half, K.cm, K.w0sq, K.f0)
     ratio = np.abs(push) / half
     return float(np.median(ratio)), float(np.max(np.abs(ratio - np.median(ratio))))
 
@@ -246,35 +282,35 @@ def gone_over(case: FaultySteps) -> Iterator[Explanation]:
     Where the mass should stick, v jumps to and fro.
     """
     steps = case.telling
-    fits, parts, sticks = _mixtures(case, steps)
+    mixtures = _mixtures(case, steps)
+    fits = mixtures.fits
     if not np.any(fits):
         return
     left = case.leaving(np.where(fits, 0.0, case.sizes[steps]), steps)
-    diagnosis = _gone_over_words(case, steps[fits], parts[fits], sticks[fits])
+    diagnosis = _gone_over_words(case, steps[fits], mixtures.excess[fits], mixtures.sticks[fits])
     if diagnosis is not None:
         yield Explanation(diagnosis, left=left)
 
 
 def _gone_over_words(
-    case: FaultySteps, steps: np.ndarray, parts: np.ndarray, sticks: np.ndarray
+    case: FaultySteps, steps: np.ndarray, excess: np.ndarray, sticks: np.ndarray
 ) -> Diagnosis | None:
     """Return the diagnosis of steps that go over events; None if they show no pattern of it.
 
-    `parts` are how much longer than in the exact motion the force below the belt acts, in parts of
-    a step; `sticks` marks steps in which the exact motion sticks.
+    `excess` and `sticks` are those of `Mixtures`.
     """
     s = case.steps
     first = f"first at t = {float(s.t[steps[0]]):.10g}"
     if 2 * np.sum(sticks) >= len(steps):
-        belt = 1 + np.argmin(np.abs(s.v[:, None] - s.belts), axis=1)
-        gap = s.v - s.belts[belt - 1]
-        near = np.flatnonzero(
-            case.wrong[1:] & case.wrong[:-1] & (s.last[1:] > ON_BELT) & (s.last[:-1] > ON_BELT)
-        )
+        nearest_belt = np.argmin(np.abs(s.v[:, None] - s.belts), axis=1)
+        gap = s.v - s.belts[nearest_belt]
+        # Pairs of wrong steps, one after the other, that both end in a stick: v turns back in them.
+        in_stick = case.wrong & (s.last > ON_BELT)
+        pairs = np.flatnonzero(in_stick[1:] & in_stick[:-1])
         changes = np.diff(gap)
         turned = 0.0
-        if len(near):
-            turned = float(np.mean(changes[near] * changes[near + 1] < 0.0))
+        if len(pairs):
+            turned = float(np.mean(changes[pairs] * changes[pairs + 1] < 0.0))
         if turned < TURNED:
             return None
         largest = float(np.max(np.abs(gap[steps[sticks] + 1])))
@@ -287,10 +323,10 @@ def _gone_over_words(
             f"v turns back in {turned:.0%} of the steps in sticks"
         )
         return Diagnosis("chatter", "", words, evidence, largest, None)
-    if np.median(np.abs(parts[~sticks])) < OTHER_PART:
+    if np.median(np.abs(excess[~sticks])) < OTHER_PART:
         return None
     words = f"events are not located: the method goes over them ({first})"
-    off = float(np.median(np.abs(parts)))
+    off = float(np.median(np.abs(excess)))
     evidence = (
         f"in {counted(len(steps), 'step')} tried a force acts too long or too short, "
         f"by {off:.0%} of the step"
@@ -298,57 +334,80 @@ def _gone_over_words(
     return Diagnosis("late events", "", words, evidence, off, None)
 
 
-def _mixtures(
-    case: FaultySteps, steps: np.ndarray, any_stick: bool = False
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Say which of `steps` a mixture of the forces on both sides of a belt explains.
+class Mixtures(NamedTuple):
+    """Which steps a mixture of the forces on both sides of a belt explains.
 
-    Return which they are, how much longer the force below acts than in the exact motion, in parts
-    of the step, and in which steps the exact motion sticks. If it does, v has to be about the
-    belt's speed, unless `any_stick` allows all sticks.
+    `excess` says how much longer the force below the belt acts than in the exact motion, as a share
+    of the step; `sticks` marks steps in which the exact motion sticks.
+    """
+
+    fits: np.ndarray
+    excess: np.ndarray
+    sticks: np.ndarray
+
+
+def _mixtures(case: FaultySteps, steps: np.ndarray, any_stick: bool = False) -> Mixtures:
+    """Return which of `steps` a mixture of the forces on both sides of a belt explains.
+
+    Where the exact motion sticks, v has to be about the belt's speed, unless `any_stick` allows all
+    sticks.
     """
     s = case.steps
     sticks = (s.last[steps] > ON_BELT) | (s.first[steps] > ON_BELT)
     sticks |= np.isin(steps, s.events.step[s.events.target > ON_BELT])
     fits = np.zeros(len(steps), bool)
-    parts = np.zeros(len(steps))
+    excess = np.zeros(len(steps))
     begin = s.v[steps]
     end = s.v[steps + 1]
-    if case.flights_wrong > 0.5:
-        in_v, in_x = WIDE_MARGINS
-    else:
-        in_v, in_x = MARGINS
     for belt in (1, 2):
         speed = s.belts[belt - 1]
         below, above = (s.flight(belt + side, steps, steps + 1) for side in (0, 1))
-        gap = below - above
-        exact = s.states[steps + 1] + s.defects[steps]
-        # For which part of the step the force below acts: in the samples and in the exact motion,
-        # judged by v.
-        part, right = (
-            state[:, 1] / gap[:, 1] for state in (s.states[steps + 1] - above, exact - above)
-        )
-        part_of_x = (s.states[steps + 1] - above)[:, 0] / gap[:, 0]
-        # The force below acts last (part^2 of its effect on x), or first, or in between.
-        bounded = (part_of_x >= part**2 - in_x) & (part_of_x <= 2.0 * part - part**2 + in_x)
-        bounded &= (part >= -in_v) & (part <= 1.0 + in_v)
+        gap_x, gap_v = (below - above).T
+        is_bounded, excess_here = _shares_below(case, steps, above, gap_x, gap_v)
         passes = (begin - speed) * (end - speed) < 0.0
         passes |= np.isin(steps, s.events.step[s.events.boundary == belt])
         # Where the exact motion sticks in the step, a stick with a fault looks like a mixture too:
         # v has to be about the belt's speed, as near as at the ends of steps that end in a stick.
-        reach = np.abs(gap[:, 1])  # what friction can do within the step
-        about = (s.last[steps] == ON_BELT + belt) & (end != speed) & (np.abs(end - speed) <= reach)
+        reach = np.abs(gap_v)  # what friction can do within the step
+        ends_near = (end != speed) & (np.abs(end - speed) <= reach)
+        begins_near = (begin != speed) & (np.abs(begin - speed) <= reach)
+        about = (s.last[steps] == ON_BELT + belt) & ends_near
         nearest = np.max(np.abs(end - speed)[about], initial=0.0)
         begins = sticks & (begin != speed) & (np.abs(begin - speed) <= nearest)
-        leaves = (s.last[np.maximum(steps - 1, 0)] == ON_BELT + belt) & (
-            np.abs(begin - speed) <= reach
-        )
-        about |= leaves & (begin != speed)
+        about |= (s.last[np.maximum(steps - 1, 0)] == ON_BELT + belt) & begins_near
         passes &= ~sticks | begins | any_stick
-        here = bounded & (passes | about)
-        parts[here] = (part - right)[here]
-        fits |= here
-    return fits, parts, sticks
+        at_belt = is_bounded & (passes | about)
+        excess[at_belt] = excess_here[at_belt]
+        fits |= at_belt
+    return Mixtures(fits, excess, sticks)
+
+
+def _shares_below(
+    case: FaultySteps, steps: np.ndarray, above: np.ndarray, gap_x: np.ndarray, gap_v: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return whether the ends of steps are possible with the force below a belt for a share of the
+    step and that above it for the rest, and how much longer that is than in the exact motion.
+
+    `above` are the ends with the force above alone; with the force below x and v are larger by
+    `gap_x` and `gap_v`.
+    """
+    s = case.steps
+    if case.flights_wrong > 0.5:
+        in_v, in_x = WIDE_MARGINS
+    else:
+        in_v, in_x = MARGINS
+    exact = s.states[steps + 1] + s.defects[steps]
+    _, above_v = above.T
+    _, exact_v = exact.T
+    _, end_v = s.states[steps + 1].T
+    share = (end_v - above_v) / gap_v
+    exact_share = (exact_v - above_v) / gap_v
+    end_x, _ = (s.states[steps + 1] - above).T
+    share_of_x = end_x / gap_x
+    # If the force below acts last, it has share^2 of its effect on x; if first, the most.
+    is_bounded = (share_of_x >= share**2 - in_x) & (share_of_x <= 2.0 * share - share**2 + in_x)
+    is_bounded &= (share >= -in_v) & (share <= 1.0 + in_v)
+    return is_bounded, share - exact_share
 
 
 # -- steps that are too large ----------------------------------------------------------------------
@@ -376,8 +435,8 @@ LIKE_WEIGHTS = 0.05
 def large_steps(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis of steps that are too large, if powers of the step explain the errors."""
     s = case.steps
-    told = np.intersect1d(case.telling, case.inside)
-    inside = np.union1d(case.thinned(case.inside, MOST_FLIGHTS), told)
+    telling_flights = np.intersect1d(case.telling, case.inside)
+    inside = np.union1d(case.thinned(case.inside, MOST_FLIGHTS), telling_flights)
     # A domain with few flights does not show a law.
     counts = np.bincount(case.domain[inside], minlength=4)
     flights = inside[counts[case.domain[inside]] >= FEWEST_IN_DOMAIN]
@@ -401,30 +460,28 @@ def large_steps(case: FaultySteps) -> Iterator[Explanation]:
         missed = _left_by_powers(case, flights, defects, powers)
         if np.median(missed) < np.median(best):
             best = missed
-            order = powers[0]
+            order = min(powers)
     limit = np.maximum(1.0, LEFT_BY_FIT * np.maximum(sizes, 0.5 * np.max(sizes)))
     fits = best <= limit
     left = case.leaving(np.where(fits, 0.0, sizes), flights)
     # Elsewhere the errors are as large, also if the method goes over events, or misses them.
     others = np.setdiff1d(case.telling, flights)
     most = 2.0 * float(np.max(sizes))
-    unseen = case.miss_sizes(
-        s.flight(np.maximum(case.domain[others], 1), others, others + 1), others
-    )
-    over = (
-        (case.sizes[others] <= most) | (unseen <= most) | _mixtures(case, others, any_stick=True)[0]
-    )
-    left[others] = np.where(over, 0.0, case.sizes[others])
+    without_event = s.flight(np.maximum(case.domain[others], 1), others, others + 1)
+    is_explained = case.sizes[others] <= most
+    is_explained |= case.miss_sizes(without_event, others) <= most
+    is_explained |= _mixtures(case, others, any_stick=True).fits
+    left[others] = np.where(is_explained, 0.0, case.sizes[others])
     size = float(np.median(np.max(np.abs(s.defects[case.inside_wrong]) / case.scales, axis=1)))
     words = (
         "the solver's steps are too large, or its tolerance: "
         f"a flight is off by about {size:.1e} of the largest |x|, |v| in each step"
     )
     if equal:
-        how = "one linear map of x, v and the drive"
+        law = "one linear map of x, v and the drive"
     else:
-        how = f"powers of the step from {order} on"
-    evidence = f"the errors of {int(np.sum(fits))} of {len(flights)} flights follow from {how}"
+        law = f"powers of the step from {order} on"
+    evidence = f"the errors of {int(np.sum(fits))} of {len(flights)} flights follow from {law}"
     yield Explanation(Diagnosis("steps too large", "", words, evidence, size, None), left=left)
 
 
@@ -439,8 +496,8 @@ def _like_truncation(case: FaultySteps, flights: np.ndarray) -> bool:
     A = np.array([s.K.A1, s.K.A2, s.K.A3])[case.domain[flights] - 1]
     K = s.K
     a = acceleration(s.x[flights], s.v[flights], np.cos(s.theta[flights]), A, K.cm, K.w0sq, K.f0)
+    # A bound of the derivative of a: even Euler's method makes no larger errors than these.
     slope = K.cm * np.max(np.abs(a)) + K.w0sq * np.max(np.abs(s.v)) + abs(K.f0) * K.Om
-    # Even Euler's method makes no larger errors.
     small = (np.abs(dx) <= h**2 * np.max(np.abs(a))) & (np.abs(dv) <= h**2 * slope)
     return bool(not force_like and np.mean(small) > 0.95)
 
@@ -450,8 +507,10 @@ def _lost_way(case: FaultySteps, flights: np.ndarray) -> float:
     s = case.steps
     h = np.diff(s.t)[flights]
     basis = _linear_terms(case, flights) * h[:, None]
-    numbers = np.linalg.lstsq(basis, s.defects[flights, 0], rcond=1e-12)[0]
-    return abs(float(numbers[1])) / float(np.max(np.abs(s.v[flights])))
+    defects_x, _ = s.defects[flights].T
+    coefficients, *_ = np.linalg.lstsq(basis, defects_x, rcond=1e-12)
+    _, of_v, *_ = coefficients  # in the order of `_linear_terms`
+    return abs(float(of_v)) / float(np.max(np.abs(s.v[flights])))
 
 
 def _linear_terms(case: FaultySteps, flights: np.ndarray) -> np.ndarray:
@@ -477,6 +536,6 @@ def _left_by_powers(
         return left
     even = np.arange(len(flights)) % 2 == 0
     for used in (even, ~even):
-        numbers = np.linalg.lstsq(matrix[used], defects[used], rcond=1e-12)[0]
-        left[~used] = larger(matrix[~used] @ numbers - defects[~used])
+        coefficients, *_ = np.linalg.lstsq(matrix[used], defects[used], rcond=1e-12)
+        left[~used] = larger(matrix[~used] @ coefficients - defects[~used])
     return left

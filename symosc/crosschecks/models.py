@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from functools import partial
 from math import cos, inf, pi, remainder, sqrt
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,9 @@ FEW_INTEGRATED = 8
 FEWEST_FITTED = 3
 # Difference quotients are taken over this part of a coefficient.
 TICK = 1e-5
+# The same for a phase, and how many phases are tried first.
+TICK_OF_PHASE = 1e-5
+PHASES_TRIED = 48
 # Far coefficients: the fewest flights that show one, those on which values are compared, and
 # frequencies of the drive.
 FEWEST_FAR = 8
@@ -59,11 +62,12 @@ def other_systems(case: FaultySteps) -> Iterator[Explanation]:
     p = case.parameters
     seen = {case.parameters}
     flights = case.thinned(case.inside_wrong, MOST_FLIGHTS)
-    for cause, subject, words, change, values in _systems(p):
-        system = _replaced(p, **values)
+    for mistake in _systems(p):
+        system = _replaced(p, **mistake.values)
         if system is None or system in seen:
             continue
         seen.add(system)
+        # A few flights rule out most systems; they do not tell the speeds of the belts.
         if len(flights) >= LEAST_FLIGHTS and (system.v1, system.v2) == (p.v1, p.v2):
             few = larger(case.flight_misses(Arithmetic(system).K, chosen=flights))
             if np.mean(few <= case.limits()[flights]) < 0.5:
@@ -71,29 +75,41 @@ def other_systems(case: FaultySteps) -> Iterator[Explanation]:
         left = case.left_with(system)
         if left is not None:
             value = error = None
-            if len(values) == 1:
-                value = float(next(iter(values.values())))
+            if len(mistake.values) == 1:
+                (changed,) = mistake.values.values()
+                value = float(changed)
                 error = 0.0
-            diagnosis = Diagnosis(cause, subject, words, "", value, error)
-            yield Explanation(diagnosis, f"with {change}", parameters=system, left=left)
+            diagnosis = Diagnosis(mistake.cause, mistake.subject, mistake.words, "", value, error)
+            yield Explanation(diagnosis, f"with {mistake.change}", parameters=system, left=left)
     yield from _wrong_signs(case)
 
 
-def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
-    """Yield common modelling mistakes, likely ones first, each as five values.
-
-    These are cause, subject and words of the `Diagnosis`, the change in words, and the changed
-    parameters by name.
+class Mistake(NamedTuple):
+    """A common modelling mistake: cause, subject and words of its `Diagnosis`, the change in words,
+    and the changed parameters by name.
     """
+
+    cause: str
+    subject: str
+    words: str
+    change: str
+    values: Record
+
+
+def _systems(p: Parameters) -> Iterator[Mistake]:
+    """Yield common modelling mistakes, likely ones first."""
     m = float(p.m)
     Om = float(p.Omega)
     for name in ("A0", "B0", "v1", "v2"):
-        yield "sign", name, f"{name} has the wrong sign", f"-{name}", {name: -getattr(p, name)}
+        words = f"{name} has the wrong sign"
+        yield Mistake("sign", name, words, f"-{name}", {name: -getattr(p, name)})
     of_belts = f"belt 1 has mu2 = {float(p.mu2):g}, belt 2 has mu1 = {float(p.mu1):g}"
     swapped = f"the belts are swapped: {of_belts}"
-    yield "swapped belts", "", swapped, "mu1 and mu2 swapped", {"mu1": p.mu2, "mu2": p.mu1}
+    exchanged = {"mu1": p.mu2, "mu2": p.mu1}
+    yield Mistake("swapped belts", "", swapped, "mu1 and mu2 swapped", exchanged)
     if p.mu1 + p.mu2:
-        yield "coefficient", "FN", "there is no friction at all (FN = 0)", "FN = 0", {"FN": 0}
+        words = "there is no friction at all (FN = 0)"
+        yield Mistake("coefficient", "FN", words, "FN = 0", {"FN": 0})
     changes: list[tuple[str, Any, str]] = [
         ("Omega", Om * 2 * pi, "times 2 pi"), ("Omega", Om / (2 * pi), "divided by 2 pi"),
         ("Omega", Om * pi / 180, "Omega t in degrees"),
@@ -115,15 +131,28 @@ def _systems(p: Parameters) -> Iterator[tuple[str, str, str, str, Record]]:
         text = f"{float(value) + 0.0:.15g}"
         right = float(getattr(p, name))
         words = f"the solution has {name} = {text}, which should be {right:.10g}: {why}"
-        yield "coefficient", name, words, f"{name} = {text}", {name: float(text)}
+        yield Mistake("coefficient", name, words, f"{name} = {text}", {name: float(text)})
     for group, where in (
         (("A0", "B0", "FN"), "the forces A0, B0 and FN are"),
         (("k", "c"), "k and c are"),
     ):
-        for mass, how in ((m, "not divided by m"), (1.0 / m, "divided by m twice")):
-            values = {name: float(getattr(p, name)) * mass for name in group}
+        for factor, fault in ((m, "not divided by m"), (1.0 / m, "divided by m twice")):
+            values = {name: float(getattr(p, name)) * factor for name in group}
             change = ", ".join(f"{name} = {float(value):.17g}" for name, value in values.items())
-            yield "coefficient", "m", f"{where} {how}", change, values
+            yield Mistake("coefficient", "m", f"{where} {fault}", change, values)
+
+
+class WrongSign(NamedTuple):
+    """A force with the wrong sign: what makes it (0 if it is absent), its effect in words, and the
+    equation with it: constant forces by domain, and factors of damper and spring.
+    """
+
+    name: str
+    size: Any
+    effect: str
+    forces: tuple[float, ...]
+    damping: int = 1
+    spring: int = 1
 
 
 def _wrong_signs(case: FaultySteps) -> Iterator[Explanation]:
@@ -136,24 +165,21 @@ def _wrong_signs(case: FaultySteps) -> Iterator[Explanation]:
     # A0 minus the friction, in place of A0 plus the friction.
     against = tuple(float((2 * p.A0 - p.A(alpha)) / p.m) for alpha in (1, 2, 3))
     right = (K.A1, K.A2, K.A3)
-    for name, present, what, forces, damping, spring in (
-        ("friction", p.FN * (p.mu1 + p.mu2), "it pushes away from the belts", against, 1, 1),
-        ("k", p.k, "the spring pushes away", right, 1, -1),
-        ("c", p.c, "the damper pushes", right, -1, 1),
-    ):
-        if not present or not len(steps):
+    candidates = (
+        WrongSign("friction", p.FN * (p.mu1 + p.mu2), "it pushes away from the belts", against),
+        WrongSign("k", p.k, "the spring pushes away", right, spring=-1),
+        WrongSign("c", p.c, "the damper pushes", right, damping=-1),
+    )
+    for candidate in candidates:
+        if not candidate.size or not len(steps):
             continue
 
-        def force(
-            x: float,
-            v: float,
-            phase: float,
-            forces: Any = forces,
-            damping: int = damping,
-            spring: int = spring,
-        ) -> float:
-            A = forces[(v > K.belt1.v) + (v > K.belt2.v)]
-            return float(acceleration(x, v, cos(phase), A, damping * K.cm, spring * K.w0sq, K.f0))
+        def force(x: float, v: float, phase: float, wrong: WrongSign = candidate) -> float:
+            """Return the acceleration of the mass with this wrong sign."""
+            A = wrong.forces[(v > K.belt1.v) + (v > K.belt2.v)]
+            cm = wrong.damping * K.cm
+            w0sq = wrong.spring * K.w0sq
+            return float(acceleration(x, v, cos(phase), A, cm, w0sq, K.f0))
 
         few = case.thinned(steps, FEW_INTEGRATED)
         if np.mean(larger(case.integrated(force, few)) <= case.limits()[few]) < 0.5:
@@ -161,8 +187,9 @@ def _wrong_signs(case: FaultySteps) -> Iterator[Explanation]:
         sizes = larger(case.integrated(force, steps))
         fits = int(np.sum(sizes <= case.limits()[steps]))
         evidence = f"with it {fits} of {counted(len(steps), 'step')} tried are right"
-        words = f"{name} has the wrong sign: {what}"
-        yield Explanation(Diagnosis("sign", name, words, evidence), left=case.leaving(sizes, steps))
+        words = f"{candidate.name} has the wrong sign: {candidate.effect}"
+        diagnosis = Diagnosis("sign", candidate.name, words, evidence)
+        yield Explanation(diagnosis, left=case.leaving(sizes, steps))
 
 
 # -- fitted coefficients ---------------------------------------------------------------------------
@@ -195,16 +222,15 @@ def far_coefficients(case: FaultySteps) -> Iterator[Explanation]:
             values = _frequencies(case, flights)
         else:
             values = (float(getattr(p, name)) or 1.0) * factors
-        constants = [
-            (K, float(value))
-            for value in values
-            if (K := _constants(p, name, float(value))) is not None
-        ]
-        tried = [
-            (_median(larger(case.flight_misses(K, chosen=few))), value) for K, value in constants
-        ]
-        if tried:
-            yield from _coefficient(case, name, _fit_flights(case, name, min(tried)[1]))
+        misses_and_values = list[tuple[float, float]]()
+        for value in map(float, values):
+            K = _constants(p, name, value)
+            if K is not None:
+                miss = _median(larger(case.flight_misses(K, chosen=few)))
+                misses_and_values.append((miss, value))
+        if misses_and_values:
+            _, best = min(misses_and_values)
+            yield from _coefficient(case, name, _fit_flights(case, name, best))
 
 
 def _median(sizes: np.ndarray) -> float:
@@ -230,16 +256,16 @@ def _coefficient(case: FaultySteps, name: str, fit: FittedNumber | None) -> Iter
     error = float(fit.error[0])
     right = float(getattr(case.parameters, name))
     text = rounded(value, error)
-    second = _replaced(case.parameters, **{name: float(text)})
-    if second is None or second == case.parameters:
+    changed = _replaced(case.parameters, **{name: float(text)})
+    if changed is None or changed == case.parameters:
         left = None
     else:
-        left = case.left_with(second)
+        left = case.left_with(changed)
     if left is not None:
         words = f"the solution has {name} = {text}, which should be {right:.10g}"
         evidence = f"fitted: {name} = {text} ± {error:.1g}"
-        found = Diagnosis("coefficient", name, words, evidence, value, error)
-        yield Explanation(found, f"with {name} = {text}", parameters=second, left=left)
+        diagnosis = Diagnosis("coefficient", name, words, evidence, value, error)
+        yield Explanation(diagnosis, f"with {name} = {text}", parameters=changed, left=left)
 
 
 def rounded(value: float, error: float) -> str:
@@ -271,7 +297,9 @@ def _tick(p: Parameters, name: str) -> np.ndarray:
         "mu2": 1.0,
     }
     units |= {"v1": float(p.v2 - p.v1), "v2": float(p.v2 - p.v1)}
-    return np.array([TICK * (units[name] if name in units else float(getattr(p, name)) or push)])
+    # m and Omega have their own size, and so has FN, unless it is 0.
+    unit = units[name] if name in units else float(getattr(p, name)) or push
+    return np.array([TICK * unit])
 
 
 def _fit_flights(case: FaultySteps, name: str, start: float | None = None) -> FittedNumber | None:
@@ -291,9 +319,8 @@ def _fit_flights(case: FaultySteps, name: str, start: float | None = None) -> Fi
             return np.full((len(flights), 2), np.nan)
         return case.flight_misses(K, chosen=flights)
 
-    fit = fitted(
-        misses, np.array([float(getattr(p, name)) if start is None else start]), _tick(p, name)
-    )
+    first = float(getattr(p, name)) if start is None else start
+    fit = fitted(misses, np.array([first]), _tick(p, name))
     if fit is not None and _median(fit.sizes) <= max(1.0, LEFT_OVER * before):
         return fit
     return None
@@ -304,9 +331,9 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
 
     None if the model does not allow the value.
     """
-    second = _replaced(p, **{name: value})
-    if second is not None:
-        return Arithmetic(second).K
+    changed = _replaced(p, **{name: value})
+    if changed is not None:
+        return Arithmetic(changed).K
     if name in ("mu1", "mu2", "FN"):
         # A difference quotient at 0 takes a value below 0. The forces are linear in it, and follow
         # from those at 0 and at its mirror image.
@@ -320,25 +347,25 @@ def _constants(p: Parameters, name: str, value: float) -> Constants | None:
 
 
 def _fit_belt(case: FaultySteps, name: str) -> FittedNumber | None:
-    """Return the speed of a belt.
-
-    From samples that move with it if there are any, else by a fit.
+    """Return the speed of a belt, from samples that move with it if there are any, else by a
+    fit.
     """
     p = case.parameters
     s = case.steps
     chosen = case.thinned(case.telling, MOST_FLIGHTS)
 
     def misses(value: np.ndarray) -> np.ndarray:
-        second = _replaced(p, **{name: float(value[0])})
-        if second is None:
+        changed = _replaced(p, **{name: float(value[0])})
+        if changed is None:
             return np.full((len(chosen), 2), np.nan)
-        return case.some_defects_with(second, chosen)
+        return case.some_defects_with(changed, chosen)
 
     step = np.diff(s.t)
+    allowed_x, allowed_v = case.allowed.T
     start = np.array([float(getattr(p, name))])
     # Steps that move at one velocity are sticks: on this belt if they are nearer to its speed.
-    is_steady = (np.abs(np.diff(s.v)) <= 0.1 * case.allowed[:, 1]) & (step > 0.0)
-    is_steady &= np.abs(np.diff(s.x) - s.v[:-1] * step) <= case.allowed[:, 0]
+    is_steady = (np.abs(np.diff(s.v)) <= 0.1 * allowed_v) & (step > 0.0)
+    is_steady &= np.abs(np.diff(s.x) - s.v[:-1] * step) <= allowed_x
     speeds = s.v[:-1][is_steady & case.wrong]
     if name == "v1":
         other_speed = float(p.v2)
@@ -346,8 +373,9 @@ def _fit_belt(case: FaultySteps, name: str) -> FittedNumber | None:
         other_speed = float(p.v1)
     own_speeds = speeds[np.abs(speeds - start[0]) < np.abs(speeds - other_speed)]
     if len(own_speeds) >= 2:
-        error = np.array([float(case.allowed[0, 1])])
-        return FittedNumber(np.array([float(np.median(own_speeds))]), error, larger(misses(start)))
+        speed = np.array([float(np.median(own_speeds))])
+        error = np.array([float(allowed_v[0])])
+        return FittedNumber(speed, error, larger(misses(start)))
     if len(chosen):
         return fitted(misses, start, _tick(p, name))
     return None
@@ -364,14 +392,16 @@ def _frequencies(case: FaultySteps, flights: np.ndarray) -> np.ndarray:
     # The mean of x over a step is that of the cubic through its ends.
     x = 0.5 * (s.x[flights] + s.x[after]) + tau * (s.v[flights] - s.v[after]) / 12.0
     # What is left of the mean acceleration without damper, spring and friction is the drive.
-    rest = (s.v[after] - s.v[flights]) / tau + K.cm * (s.x[after] - s.x[flights]) / tau + K.w0sq * x
-    rest -= np.array([K.A1, K.A2, K.A3])[case.domain[flights] - 1]
-    grid = np.arange(1, MOST_FREQUENCIES + 1) * min(
-        0.5 / (end[-1] - begin[0]), 100.0 * K.Om / MOST_FREQUENCIES
-    )
+    mean_a = (s.v[after] - s.v[flights]) / tau
+    mean_v = (s.x[after] - s.x[flights]) / tau
+    drive = mean_a + K.cm * mean_v + K.w0sq * x
+    drive -= np.array([K.A1, K.A2, K.A3])[case.domain[flights] - 1]
+    # Half a radian apart over the whole time, or so far that they reach up to 100 Omega.
+    spacing = min(0.5 / (end[-1] - begin[0]), 100.0 * K.Om / MOST_FREQUENCIES)
+    grid = np.arange(1, MOST_FREQUENCIES + 1) * spacing
     # The mean of cos(Omega t) over each step, for each Omega of the grid.
     cosines = (np.sin(np.outer(grid, end)) - np.sin(np.outer(grid, begin))) / np.outer(grid, tau)
-    left = np.median(np.abs(K.f0 * cosines - rest), axis=1)
+    left = np.median(np.abs(K.f0 * cosines - drive), axis=1)
     return np.asarray(grid[np.argsort(left)[:FEW_FAR]])
 
 
@@ -391,7 +421,7 @@ def phases_of_drive(case: FaultySteps) -> Iterator[Explanation]:
         turn = _phase_shift(case, flights)
     else:
         turn = None
-    tick = np.array([1e-5])
+    tick = np.array([TICK_OF_PHASE])
     chosen = case.thinned(case.telling, MOST_FLIGHTS)
 
     def misses(value: np.ndarray) -> np.ndarray:
@@ -401,13 +431,12 @@ def phases_of_drive(case: FaultySteps) -> Iterator[Explanation]:
         fit = fitted(lambda q: case.flight_misses(K, float(q[0]), flights), np.array([turn]), tick)
     elif len(case.wrong) <= MOST_FLOWN and len(chosen):
         # Too few flights: steps with events are used too, and the fit begins at the best of a grid.
-        turns = np.linspace(-pi, pi, 48, endpoint=False).reshape(-1, 1)
+        turns = np.linspace(-pi, pi, PHASES_TRIED, endpoint=False).reshape(-1, 1)
         best = min(turns, key=lambda turn: float(np.median(larger(misses(turn)))))
         fit = fitted(misses, best, tick)
     if fit is not None:
-        yield from _shift_or_phase(
-            case, remainder(float(fit.value[0]), 2.0 * pi), float(fit.error[0])
-        )
+        angle = remainder(float(fit.value[0]), 2.0 * pi)
+        yield from _shift_or_phase(case, angle, float(fit.error[0]))
 
 
 def _phase_shift(case: FaultySteps, flights: np.ndarray) -> float | None:
@@ -417,21 +446,27 @@ def _phase_shift(case: FaultySteps, flights: np.ndarray) -> float | None:
     """
     K = case.steps.K
 
+    # The drive times `cosine` plus its quadrature times `sine`: defects are linear in both.
     def misses(value: np.ndarray) -> np.ndarray:
-        size = float(np.hypot(*value))
-        turn = float(np.arctan2(value[1], value[0]))
+        """Return what flights miss with the drive's amplitude and phase from (cosine, sine)."""
+        cosine, sine = value
+        size = float(np.hypot(cosine, sine))
+        turn = float(np.arctan2(sine, cosine))
         return case.flight_misses(K._replace(f0=K.f0 * size, fB=K.fB * size), turn, flights)
 
     fit = fitted(misses, np.array([1.0, 0.0]), np.array([1e-4, 1e-4]))
-    if fit is None or abs(np.hypot(*fit.value) - 1.0) > max(1e-3, 10.0 * float(np.max(fit.error))):
+    if fit is None:
         return None
-    return float(np.arctan2(fit.value[1], fit.value[0]))
+    cosine, sine = fit.value
+    off_size = abs(np.hypot(cosine, sine) - 1.0)
+    if off_size > max(1e-3, 10.0 * float(np.max(fit.error))):
+        return None
+    return float(np.arctan2(sine, cosine))
 
 
 def _shift_or_phase(case: FaultySteps, turn: float, error: float) -> Iterator[Explanation]:
-    """Yield the diagnoses of a drive ahead by the angle `turn`.
-
-    A shifted clock, or another phase of the drive.
+    """Yield the diagnoses of a drive ahead by the angle `turn`: a shifted clock, or another phase
+    of the drive, or both.
     """
     Om = case.steps.K.Om
     s = case.steps
@@ -443,17 +478,16 @@ def _shift_or_phase(case: FaultySteps, turn: float, error: float) -> Iterator[Ex
         2: " (-cosine)",
         -2: " (-cosine)",
     }
-    near = quarters and abs(turn - quarters * pi / 2) <= max(QUARTER, 3 * error)
-    if near:
+    remark = ""
+    if quarters and abs(turn - quarters * pi / 2) <= max(QUARTER, 3 * error):
         turn = quarters * pi / 2
+        remark = names[quarters]
     shift = -turn / Om
     left = case.left_with(case.parameters, turn / Om)
     if left is None:
         return
     evidence = f"fitted: {rounded(turn, error)} ± {error:.1g}"
-    words = (
-        f"the drive is ahead by a phase of {rounded(turn, error)}{names[quarters] if near else ''}"
-    )
+    words = f"the drive is ahead by a phase of {rounded(turn, error)}{remark}"
     change = f"with the phase turned by {turn:.17g}"
     phase = Diagnosis("phase", "", words, evidence, turn, error)
     turned = Explanation(phase, change, columns=lambda t, x, v: (t - shift, x, v), left=left)
@@ -488,20 +522,22 @@ def jumps_of_clock(case: FaultySteps) -> Iterator[Explanation]:
     """
     s = case.steps
     i = int(case.moving_wrong[0])
-    held = bool(s.first[i] > ON_BELT and s.last[i] == s.first[i] and i not in s.events.step)
-    if not (held or i in case.inside) or i + case.offset == 0:
+    is_stick = bool(s.first[i] > ON_BELT and s.last[i] == s.first[i] and i not in s.events.step)
+    # Steps with events do not tell it, and a jump in the first step is a shift of the whole clock.
+    if not (is_stick or i in case.inside) or i + case.offset == 0:
         return
-    domain = case.domain[[i]]
-    begin = slice(i, i + 1)
+    step = np.array([i])  # arrays of one element, as `fly` and `misses` take them
+    x = s.x[step]
+    v = s.v[step]
 
     def misses(value: np.ndarray) -> np.ndarray:
-        tau = s.t[[i + 1]] - s.t[[i]] - value
-        if held:
-            ends = np.column_stack([s.x[begin] + s.v[begin] * tau, s.v[begin]])
-            return case.misses(ends, np.array([i]))
-        return case.misses(
-            s.fly(domain, s.x[begin], s.v[begin], s.theta[begin], tau), np.array([i])
-        )
+        """Return by how much the step is missed if the clock is ahead at its end by `value`."""
+        tau = s.t[step + 1] - s.t[step] - value
+        if is_stick:
+            ends = np.column_stack([x + v * tau, v])
+        else:
+            ends = s.fly(case.domain[step], x, v, s.theta[step], tau)
+        return case.misses(ends, step)
 
     fit = fitted(misses, np.zeros(1), np.array([1e-6 * (s.t[i + 1] - s.t[i])]))
     if fit is None or fit.sizes[0] > case.limits()[i]:

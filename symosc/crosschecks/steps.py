@@ -69,6 +69,7 @@ def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
     v = off[..., 1]
     square = float(p.k / p.m)
     damping = float(p.c / p.m)
+    # Friction takes energy from the difference: v^2 + (k/m) x^2 does not grow.
     fastest = np.sqrt(v * v + square * x * x)
     farthest = x + tau * fastest
     if square > 0.0:
@@ -84,11 +85,10 @@ def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndar
 
     `scales` are the largest |x| and |v|.
     """
+    largest_x, largest_v = scales
     ticks = 2.0 * np.spacing(np.maximum(np.abs(t[1:]), np.abs(t[:-1])))
-    return (
-        np.outer(ticks, [scales[1], float(push_bound(p, *scales))])
-        + 8.0 * np.finfo(float).eps * scales
-    )
+    by_rounded_times = np.outer(ticks, [largest_v, float(push_bound(p, largest_x, largest_v))])
+    return by_rounded_times + 8.0 * np.finfo(float).eps * scales
 
 
 def push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
@@ -116,12 +116,12 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
     if samples.v_off is not None:
         v = np.maximum(v, samples.v_off)
     # While the clock is off by t the velocity changes too.
-    fastest = (
-        np.abs(samples.v) + v + push_bound(p, np.abs(samples.x) + x, np.abs(samples.v) + v) * t
-    )
-    return np.column_stack(
-        [x + fastest * t, v + push_bound(p, np.abs(samples.x) + x + fastest * t, fastest) * t]
-    )
+    most_x = np.abs(samples.x) + x
+    most_v = np.abs(samples.v) + v
+    fastest = most_v + push_bound(p, most_x, most_v) * t
+    error_x = x + fastest * t
+    error_v = v + push_bound(p, most_x + fastest * t, fastest) * t
+    return np.column_stack([error_x, error_v])
 
 
 # -- the exact motion over the steps ---------------------------------------------------------------
@@ -222,32 +222,51 @@ def follow_steps(
     theta = np.empty(count + 1)
     defects = np.empty((count, 2))
     modes = np.zeros((2, count), np.int8)
-    found = []
+    parts_of_events = []
     for begin in range(0, count, STEPS_TOGETHER):
         end = min(begin + STEPS_TOGETHER, count)
-        part = slice(begin, end + 1)
+        numbers = slice(begin, end + 1)  # of samples, one more than steps
         inner = slice(begin, end)
-        theta[part] = phases(parameters, t[part])
-        samples = np.array([t[part], x[part], v[part], theta[part]])
-        defects[inner], modes[:, inner], events = _follow_samples(
-            K, samples, near[inner], scales[inner]
-        )
-        found.append(events._replace(step=events.step + begin))
+        theta[numbers] = phases(parameters, t[numbers])
+        samples = np.array([t[numbers], x[numbers], v[numbers], theta[numbers]])
+        followed = _follow_samples(K, samples, near[inner], scales[inner])
+        defects[inner] = followed.defects
+        modes[:, inner] = followed.modes
+        events = followed.events
+        parts_of_events.append(events._replace(step=events.step + begin))
     # A step in which no time passes has the mode in which the motion arrives, or leaves the first
     # sample.
+    first_modes, last_modes = modes
     for i in np.flatnonzero(np.diff(t) == 0.0).tolist():
         if i:
-            modes[:, i] = modes[1, i - 1]
+            modes[:, i] = last_modes[i - 1]
         else:
-            modes[:, i] = modes[0, int(np.argmax(np.diff(t) > 0.0))]
-    events = StepEvents(*map(np.concatenate, zip(*found, strict=True)))
-    return ExactSteps(parameters, K, t, x, v, theta, defects, modes[0], modes[1], events)
+            modes[:, i] = first_modes[int(np.argmax(np.diff(t) > 0.0))]
+    events = StepEvents(*map(np.concatenate, zip(*parts_of_events, strict=True)))
+    return ExactSteps(parameters, K, t, x, v, theta, defects, first_modes, last_modes, events)
+
+
+class FollowedSteps(NamedTuple):
+    """What the exact motion does in steps.
+
+    `defects` has two columns, x and v: the end of the exact motion less the next sample. `modes`
+    has two rows, the modes at the start and at the end of each step.
+    """
+
+    defects: np.ndarray
+    modes: np.ndarray
+    events: StepEvents
+
+    @property
+    def defects_of_v(self) -> np.ndarray:
+        """By how much each step misses v of the next sample."""
+        return self.defects[:, 1]
 
 
 def _follow_samples(
     K: Constants, samples: np.ndarray, near: np.ndarray, scales: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow the steps between samples, rows t, x, v, theta; return defects, modes and events."""
+) -> FollowedSteps:
+    """Follow all steps between samples, rows t, x, v, theta."""
     t, x, v, _ = samples
     gaps = np.abs(v[:-1, None] - np.array([K.belt1.v, K.belt2.v]))
     closest = np.argmin(gaps, axis=1) + 1
@@ -256,44 +275,48 @@ def _follow_samples(
     defects = np.column_stack([x[:-1] - x[1:], v[:-1] - v[1:]])
     modes = np.zeros((2, len(defects)), np.int8)
     on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
-    defects[moving], modes[:, moving], events = follow_from(K, samples, moving, on[moving])
+    as_given = follow_from(K, samples, moving, on[moving])
+    defects[moving] = as_given.defects
+    modes[:, moving] = as_given.modes
+    events = as_given.events
     either = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
     if len(either):
         size = np.max(np.abs(defects[either]) / scales[either], axis=1)
-        others, other_modes, other_events = follow_from(K, samples, either, closest[either])
+        on_belt = follow_from(K, samples, either, closest[either])
+        size_on_belt = np.max(np.abs(on_belt.defects) / scales[either], axis=1)
         # On a belt both agree up to rounding: then it is on the belt.
-        better = ~(np.max(np.abs(others) / scales[either], axis=1) > size * (1.0 + 1e-6) + EPS)
+        better = ~(size_on_belt > size * (1.0 + 1e-6) + EPS)
         chosen = either[better]
-        defects[chosen] = others[better]
-        modes[:, chosen] = other_modes[:, better]
-        events = _merged(events, other_events, chosen)
-    return defects, modes, events
+        defects[chosen] = on_belt.defects[better]
+        modes[:, chosen] = on_belt.modes[:, better]
+        events = _merged(events, on_belt.events, chosen)
+    return FollowedSteps(defects, modes, events)
 
 
 def follow_from(
     K: Constants, samples: np.ndarray, steps: np.ndarray, on: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, StepEvents]:
+) -> FollowedSteps:
     """Follow the exact motion over the steps numbered `steps` of samples.
-
-    Return defects, modes and events.
 
     `samples` has the rows t, x, v and theta. Where `on` is 1 or 2, v is first set to the speed of
     that belt, and the motion begins on it. The modes are those at the start and at the end of each
     step.
     """
     t, x, v, theta = samples
-    left = t[steps + 1] - t[steps]
+    tau = t[steps + 1] - t[steps]
     start_v = np.where(on > 0, np.array([K.belt1.v, K.belt2.v])[on - 1], v[steps])
-    rows, _ = start_rows(on, (theta[steps], 0.0), x[steps], start_v, (0.0, 0.0, left, 0.0, 0.0), K)
+    rows, _ = start_rows(on, (theta[steps], 0.0), x[steps], start_v, (0.0, 0.0, tau, 0.0, 0.0), K)
     modes = np.array([rows["mode"], rows["mode"]]).astype(np.int8)
     ends = np.empty((len(rows), 2))
-    quiet, states = quiet_ends(rows, left, K)
+    quiet, states = quiet_ends(rows, tau, K)
     ends[quiet] = states
     busy = np.delete(np.arange(len(rows)), quiet)
-    modes[1, busy], ends[busy], events = _follow(rows[busy], left[busy], K)
+    modes[1, busy], ends[busy], events = _follow(rows[busy], tau[busy], K)
+    # From rows of `busy` and times since the start of a step to its number and times of samples.
     origin = steps[busy[events.step]]
     events = events._replace(step=origin, t=t[origin] + events.t)
-    return ends - samples[1:3, steps + 1].T, modes, events
+    next_samples = np.column_stack([x[steps + 1], v[steps + 1]])
+    return FollowedSteps(ends - next_samples, modes, events)
 
 
 def phases(parameters: Parameters, t: Any) -> np.ndarray:
@@ -312,8 +335,8 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
 
 
 def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.ndarray, np.ndarray]:
-    """Return the numbers of starts that certainly have no event for a time `left`, and their states
-    [x, v] after it.
+    """Return the numbers of starts that certainly have no event for a time `left` each, and their
+    states [x, v] after it.
 
     `rows` are starts as `engine.start.start_rows` makes them.
     """
@@ -332,17 +355,19 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     E0, E1, E2, R2, I2, s_tau, c_tau = entire_array.basis(tau, K)
     dx, dv, _ = motion(v, below, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     ends = np.column_stack([x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv)])
-    # A stick lasts if both forces keep their sign over the step.
+    # A stick lasts if both forces keep their sign over the step: they are off the chord between
+    # their values at its ends by at most h^2/8 times their second derivative, and by rounding.
     off = 0.125 * tau * tau * abs(K.fB) * K.Om
     off += CLEARANCE * (
         np.abs(below) + np.abs(above) + K.w0sq * np.abs(x) + K.cm * np.abs(v) + 2.0 * abs(K.f0)
     )
-    turned = (c * c_tau - s * s_tau) - c
+    turned = (c * c_tau - s * s_tau) - c  # how much cos(theta) changes
     lower, upper = (
         stick_acceleration(force, v, tau, turned, K.w0sq, K.f0) for force in (below, above)
     )
     lasts = (np.minimum(below, lower) > off) & (np.maximum(above, upper) < -off)
-    # A flight stays in its domain if the chord, widened by what v may be off it, does.
+    # A flight stays in its domain if the chord, widened by what v may be off it, does. `most` is a
+    # bound of the acceleration.
     most = np.hypot(below, K.w0 * v) + abs(K.fB) * tau
     off = 0.125 * tau * tau * ((K.cm + K.w0) * most + abs(K.fB))
     off += CLEARANCE * (np.abs(v) + np.abs(ends[:, 1]))
@@ -371,16 +396,17 @@ def _follow(
     numbers, table = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table_of([K])))
     if loaded_loop() is None:
         FEW_STEPS.events -= len(rows)
-    t, x, theta = numbers[[0, 1, 3]]
-    events = StepEvents(table[0].astype(int), t, x, theta, table[1], table[2], table[4])
+    t, x, _, theta, *_ = numbers
+    step, kind, boundary, _, target, *_ = table
+    events = StepEvents(step.astype(int), t, x, theta, kind, boundary, target)
     undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(undecided):
-        singles = [event for i in undecided.tolist() for event in _follow_one(batch, rows, i, K)]
+        singles = list[tuple[Any, ...]]()
+        for i in undecided.tolist():
+            singles += _follow_one(batch, rows, i, K)
         columns = StepEvents(*np.array(singles, dtype=float).reshape(-1, len(StepEvents._fields)).T)
-        others = columns._replace(
-            **{name: getattr(columns, name).astype(int) for name in INTEGER_COLUMNS}
-        )
-        events = _merged(events, others, undecided)
+        integers = {name: getattr(columns, name).astype(int) for name in INTEGER_COLUMNS}
+        events = _merged(events, columns._replace(**integers), undecided)
     modes = batch.states["mode"].astype(int)
     ends = _ends(rows, modes, left, events, K)
     ends[batch.codes == FAILED] = np.nan
@@ -390,6 +416,7 @@ def _follow(
 def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:
     """Return the loop that follows `count` steps: interpreted, or compiled if that is quicker."""
     interpreted = INTERPRETED.follow
+    # Compiling takes longer than a few steps; FEW_STEPS counts how many have been interpreted.
     if count < MANY_STEPS and FEW_STEPS.events > 0 and loaded_loop() is None:
         return interpreted
     try:
@@ -410,15 +437,13 @@ def _ends(
     v = rows["v"].copy()
     a = rows["Fb"].copy()
     left = left.copy()
-    lasts = np.flatnonzero(np.diff(events.step, append=-1))
+    lasts = np.flatnonzero(np.diff(events.step, append=-1))  # the last event of each step
     i = events.step[lasts]
     belt = np.array([K.belt1.v, K.belt2.v])[events.boundary[lasts] - 1]
-    theta[i], x[i], v[i], left[i] = (
-        events.theta[lasts],
-        events.x[lasts],
-        belt,
-        left[i] - events.t[lasts],
-    )
+    theta[i] = events.theta[lasts]
+    x[i] = events.x[lasts]
+    v[i] = belt
+    left[i] = left[i] - events.t[lasts]
     # After a slip and a graze the acceleration begins with 0.
     A = np.array([K.A1, K.A2, K.A3, 0.0, 0.0])[modes[i] - 1]
     a[i] = (events.kind[lasts] == CROSS) * acceleration(

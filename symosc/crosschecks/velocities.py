@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import chain
-from typing import TypeGuard
+from typing import NamedTuple, TypeGuard
 
 import numpy as np
 
@@ -53,10 +53,20 @@ GOOD_FIT = 1.1
 # by HOPELESS times as much is not fitted to those of a longer one.
 WORST_FIT = 4.0
 HOPELESS = 10.0
+# Initial velocities that are tried on a grid, and how many of the best ones are fitted.
+GRID_OF_GUESSES = 41
+MOST_GUESSES = 4
+# Positions to which a start is fitted, Gauss-Newton steps, and a velocity's change for differences,
+# as a part of the size of x times the fastest rate.
+MOST_FITTED = 1_000
+FIT_STEPS = 3
+TICK = 1e-4
 # Unknown velocities in a row that are continued one after another; gaps are shorter as a rule.
 MOST_CONTINUED = 100
 # Velocities of steps have a row for the flight in each domain, then one for the stick on each belt.
 FLIGHT_ROWS = 3
+# Fewest samples with a velocity on both sides, from which on none that agree shows a wrong motion.
+FEWEST_PAIRS = 20
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
@@ -115,16 +125,20 @@ def _filled(
     v[numbers] = few.v
     bounds = np.zeros(len(t)) if few.v_off is None else np.empty(len(t))
     between = np.delete(np.arange(len(t)), numbers)
-    row = np.searchsorted(numbers, between, "right") - 1
+    row = np.searchsorted(numbers, between, "right") - 1  # in `few`, of the sample before each
     before = numbers[row]
-    ends = [np.column_stack([values[before], values[between]]).ravel() for values in (t, x)]
-    start_v = np.repeat(few.v[row], 2)
-    pairs = np.array([*ends, start_v, phases(p, ends[0])])
-    steps = 2 * np.flatnonzero(t[between] > t[before])
-    on = (few.v[row] == K.belt1.v) + 2 * (few.v[row] == K.belt2.v)
-    moved = follow_from(K, pairs, steps, on[steps // 2])[0][:, 1]
-    reached = few.v[row].copy()
-    reached[steps // 2] += np.where(np.isfinite(moved), moved, 0.0)
+    v_before = few.v[row]
+    # Pairs of samples, one after another: the one before, and one between with the same v. The
+    # defect in v of a step from the first to the second is then the change of v.
+    pair_t, pair_x = (
+        np.column_stack([values[before], values[between]]).ravel() for values in (t, x)
+    )
+    pairs = np.array([pair_t, pair_x, np.repeat(v_before, 2), phases(p, pair_t)])
+    later = np.flatnonzero(t[between] > t[before])
+    on = (v_before == K.belt1.v) + 2 * (v_before == K.belt2.v)
+    changes = follow_from(K, pairs, 2 * later, on[later]).defects_of_v
+    reached = v_before.copy()
+    reached[later] += np.where(np.isfinite(changes), changes, 0.0)
     v[between] = reached
     if few.v_off is not None:
         bounds[numbers] = few.v_off
@@ -146,15 +160,13 @@ def _from_positions(
     t = samples.t
     x = samples.x
     tau = np.diff(t)
-    shortest = np.minimum(np.append(tau, np.inf), np.insert(tau, 0, np.inf))
-    longest = np.maximum(np.append(tau, 0.0), np.insert(tau, 0, 0.0))
-    # How far v is off where both ends of the shorter step beside a sample are off by one unit.
-    per_x = 2.0 / np.where(shortest > 0.0, shortest, np.where(longest > 0.0, longest, 1.0))
     theta = phases(p, t)
     size = float(np.max(np.abs(x)))
     starts, ends = _flight_velocities(t, x, theta, K)
+    # The error of v by unit of the error of x. Inner samples have a step on both sides.
+    per_x = _errors_per_x(tau)
     allowed = per_x * (tolerance * size + rounded)
-    gaps = _nearest(starts, ends)[0]
+    gaps = _nearest(starts, ends).gaps
     is_flown = gaps <= 4.0 * allowed[1:-1]
     if is_flown.any():
         noise = 20.0 * float(np.median((gaps / per_x[1:-1])[is_flown]))
@@ -163,20 +175,21 @@ def _from_positions(
     noise += 8.0 * float(np.spacing(size))
     # A step that moves as far as a belt can be a stick; both its ends have the belt's velocity.
     belts = np.array([[K.belt1.v], [K.belt2.v]])
-    keeps_up = np.abs(np.diff(x) - belts * tau) <= (noise + rounded)[:-1] + (noise + rounded)[1:]
+    errors_x = noise + rounded
+    keeps_up = np.abs(np.diff(x) - belts * tau) <= errors_x[:-1] + errors_x[1:]
     held = np.where(keeps_up & (tau > 0.0), belts, np.nan)
     starts = np.concatenate([starts, held])
     ends = np.concatenate([ends, held])
-    off = np.minimum(per_x * (noise + rounded), allowed)
-    gaps, left, right = _nearest(starts, ends)
-    agree = gaps <= 2.0 * off[1:-1]
-    v = _agreed(starts, ends, left, right, np.flatnonzero(agree))
+    off = np.minimum(per_x * errors_x, allowed)
+    nearest = _nearest(starts, ends)
+    agree = nearest.gaps <= 2.0 * off[1:-1]
+    v = _agreed(starts, ends, nearest, np.flatnonzero(agree))
     if np.isnan(v[0]) and _is_start(scene, samples, tolerance * size + rounded[0]):
         v[0] = float(scene.v0)
-    pairs = np.flatnonzero(np.isfinite(gaps))
-    if np.isnan(v).all() and len(pairs) >= 20:
+    pairs = np.flatnonzero(np.isfinite(nearest.gaps))
+    if np.isnan(v).all() and len(pairs) >= FEWEST_PAIRS:
         # These are positions of no exact motion: velocities of the first steps show that.
-        v = _agreed(starts, ends, left, right, pairs[:1])
+        v = _agreed(starts, ends, nearest, pairs[:1])
     if np.isnan(v).all():
         raise ParameterError(
             "v", None, "is missing, and the positions are too far apart to tell it: give velocities"
@@ -196,6 +209,15 @@ def _from_positions(
     inside = on & np.append(True, on[:-1]) & np.append(on[1:], True)
     off = np.where(inside, 0.0, off)
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
+
+
+def _errors_per_x(tau: np.ndarray) -> np.ndarray:
+    """Return for each sample how far v is off if both ends of the shorter step beside it, of those
+    that take time, are off by one unit.
+    """
+    shortest = np.minimum(np.append(tau, np.inf), np.insert(tau, 0, np.inf))
+    longest = np.maximum(np.append(tau, 0.0), np.insert(tau, 0, 0.0))
+    return 2.0 / np.where(shortest > 0.0, shortest, np.where(longest > 0.0, longest, 1.0))
 
 
 def _fit_motion(
@@ -223,12 +245,13 @@ def _fit_motion(
     everywhere = np.arange(len(t))
 
     def misfit(motion: Trajectory | None, numbers: np.ndarray = everywhere) -> float:
+        """Return the largest miss of the samples `numbers`, in units of what is allowed."""
         times = t[numbers]
         if motion is None or motion.t_end < times[-1]:
             return np.inf
-        there, v = motion(np.maximum(times, float(motion.t_start)))
-        allowed = half[numbers] + off + np.abs(v) * clock[numbers]
-        return float(np.max(np.abs(there - x[numbers]) / allowed))
+        exact_x, exact_v = motion(np.maximum(times, float(motion.t_start)))
+        allowed = half[numbers] + off + np.abs(exact_v) * clock[numbers]
+        return float(np.max(np.abs(exact_x - x[numbers]) / allowed))
 
     if _is_start(scene, samples, off + half[0], clock[0]):
         motion = _motion(scene, t[-1])
@@ -238,15 +261,17 @@ def _fit_motion(
     if best > GOOD_FIT:
         guesses = _first_guesses(p, t[telling], x[telling])
         as_guessed = (_motion(p, t[-1], t[0], x[0], v0) for v0 in guesses)
-        for guess in chain(as_guessed, (_fitted(p, t, x, v0, misfit) for v0 in guesses)):
-            if (size := misfit(guess)) < best:
-                motion = guess
+        as_fitted = (_fitted(p, t, x, v0, misfit) for v0 in guesses)
+        for candidate in chain(as_guessed, as_fitted):  # a fit costs more than a guess
+            size = misfit(candidate)
+            if size < best:
+                motion = candidate
                 best = size
             if best <= GOOD_FIT:
                 break
     if motion is None or best > WORST_FIT:
         return None
-    v = motion(np.maximum(t, float(motion.t_start)))[1]
+    _, v = motion(np.maximum(t, float(motion.t_start)))
     return replace(samples, v=v, v_off=half, notes=(*samples.notes, NOTE_OF_ROUNDED))
 
 
@@ -266,11 +291,12 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
     """Return initial velocities with which the exact motion is nearest to the first positions, best
     first.
     """
+    # Positions over about one radian of the fastest motion, and a parabola through fewer of them.
     count = max(8, int(np.searchsorted(t, t[0] + 1.0 / fastest_rate(p))))
     tau = t[:count] - t[0]
     few = max(3, int(np.searchsorted(tau, 0.3 / fastest_rate(p))))
-    coefficients = np.polyfit(tau[:few] / tau[-1], x[:few], min(2, len(tau) - 1))
-    slope = coefficients[-2] / tau[-1]  # that of the parabola at its start
+    *_, slope, _ = np.polyfit(tau[:few] / tau[-1], x[:few], min(2, len(tau) - 1))
+    slope = slope / tau[-1]  # that of the parabola at its start
     moving = np.diff(tau) > 0.0
     chords = np.diff(x[:count])[moving] / np.diff(tau)[moving]
     # A belt that is much faster than all steps is not met in them.
@@ -279,13 +305,15 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
     most = fastest + sum(map(abs, speeds))
 
     def misses(v0: float) -> float:
+        """Return the largest miss of these positions."""
         motion = _motion(p, t[0] + tau[-1], t[0], x[0], v0)
         if motion is None or motion.t_end < t[0] + tau[-1]:
             return np.inf
-        return float(np.max(np.abs(motion(t[:count])[0] - x[:count])))
+        exact_x, _ = motion(t[:count])
+        return float(np.max(np.abs(exact_x - x[:count])))
 
-    guesses = [float(slope), *speeds, *np.linspace(-most, most, 41).tolist()]
-    return sorted(guesses, key=misses)[:4]
+    guesses = [float(slope), *speeds, *np.linspace(-most, most, GRID_OF_GUESSES).tolist()]
+    return sorted(guesses, key=misses)[:MOST_GUESSES]
 
 
 def _fitted(
@@ -298,26 +326,29 @@ def _fitted(
     """
     start = np.array([x[0], v0])
     span = 1.0 / fastest_rate(p)
-    tick = 1e-4 * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
+    ticks = TICK * np.array([1.0, fastest_rate(p)]) * max(float(np.ptp(x)), 1e-300)
     while True:
         count = max(6, int(np.searchsorted(t, t[0] + span, "right")))
-        chosen = np.unique(np.linspace(0, min(count, len(t)) - 1, 1_000).astype(int))
+        chosen = np.unique(np.linspace(0, min(count, len(t)) - 1, MOST_FITTED).astype(int))
 
         def missed(state: np.ndarray, chosen: np.ndarray = chosen) -> np.ndarray:
+            """Return by how much the motion from a start x, v misses each position."""
             times = t[chosen]
             motion = _motion(p, times[-1], t[0], *state)
             if motion is None or motion.t_end < times[-1]:
                 return np.full(len(times), np.nan)
-            return np.asarray(motion(times)[0] - x[chosen])
+            exact_x, _ = motion(times)
+            return np.asarray(exact_x - x[chosen])
 
-        for _ in range(3):
-            here = missed(start)
+        for _ in range(FIT_STEPS):
+            residuals = missed(start)
             slopes = np.column_stack(
-                [(missed(start + step) - here) / step.max() for step in np.diag(tick)]
+                [(missed(start + step) - residuals) / step.max() for step in np.diag(ticks)]
             )
-            if not (np.isfinite(here).all() and np.isfinite(slopes).all()):
+            if not (np.isfinite(residuals).all() and np.isfinite(slopes).all()):
                 return None
-            start = start - np.linalg.lstsq(slopes, here, rcond=1e-6)[0]
+            change, *_ = np.linalg.lstsq(slopes, residuals, rcond=1e-6)
+            start = start - change
         motion = _motion(p, t[chosen[-1]], t[0], *start)
         if count >= len(t):
             return motion
@@ -352,7 +383,8 @@ def _flight_velocities(
         np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K
     )
 
-    def flown(v: np.ndarray | float, A: float) -> tuple[np.ndarray, np.ndarray]:
+    def changes(v: np.ndarray | float, A: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return how x and v change over each step in a flight that starts with v."""
         a = acceleration(x[:-1], v, c, A, K.cm, K.w0sq, K.f0)
         dx, dv, _ = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
         return dx, dv
@@ -360,64 +392,79 @@ def _flight_velocities(
     starts = np.full((3, len(tau)), np.nan)
     ends = starts.copy()
     walls = (-np.inf, K.belt1.v, K.belt2.v, np.inf)
-    for domain, A in enumerate((K.A1, K.A2, K.A3)):
-        # dx is linear in v: v (E1 + cm E2) - cm v E2
-        rest = flown(0.0, A)[0]
-        slope = E1
-        v = (np.diff(x) - rest) / slope
-        end = v + flown(v, A)[1]
-        inside = usable & (v >= walls[domain]) & (v <= walls[domain + 1])
-        inside &= (end >= walls[domain]) & (end <= walls[domain + 1])
-        starts[domain] = np.where(inside, v, np.nan)
-        ends[domain] = np.where(inside, end, np.nan)
+    for row, A in enumerate((K.A1, K.A2, K.A3)):
+        # dx is linear in v: its slope is (E1 + cm E2) - cm E2 = E1.
+        dx_from_rest, _ = changes(0.0, A)
+        v = (np.diff(x) - dx_from_rest) / E1
+        _, dv = changes(v, A)
+        end = v + dv
+        # A flight that begins or ends in another domain is none with this force.
+        low = walls[row]
+        high = walls[row + 1]
+        inside = usable & (v >= low) & (v <= high)
+        inside &= (end >= low) & (end <= high)
+        starts[row] = np.where(inside, v, np.nan)
+        ends[row] = np.where(inside, end, np.nan)
     return starts, ends
 
 
-def _nearest(starts: np.ndarray, ends: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return for each inner sample how nearly a flight to it and a flight from it agree about its
-    velocity.
+class Nearest(NamedTuple):
+    """How nearly a flight to a sample and one from it agree about its velocity, for inner samples.
 
-    `ends` and `starts` have the velocities of these flights, a row for each force or belt. The
-    results are the smallest difference, and the rows of `ends` and of `starts` that have it.
+    `gaps` has the smallest difference; `before` and `after` have the rows of the flight to the
+    sample and of that from it (the force or the belt) that differ by it.
+    """
+
+    gaps: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+
+
+def _nearest(starts: np.ndarray, ends: np.ndarray) -> Nearest:
+    """Return which flights over the steps on both sides of each inner sample agree best.
+
+    `starts` and `ends` have the velocities at both ends of flights over steps, a row for each force
+    or belt.
     """
     inner = starts.shape[1] - 1
-    best = np.full(inner, np.inf)
-    left = np.zeros(inner, np.int8)
-    right = np.zeros(inner, np.int8)
+    gaps = np.full(inner, np.inf)
+    before = np.zeros(inner, np.int8)
+    after = np.zeros(inner, np.int8)
     for i in range(len(ends)):
         for j in range(len(starts)):
             gap = np.abs(ends[i, :-1] - starts[j, 1:])
-            closer = gap < best
-            best[closer] = gap[closer]
-            left[closer] = i
-            right[closer] = j
-    return best, left, right
+            closer = gap < gaps
+            gaps[closer] = gap[closer]
+            before[closer] = i
+            after[closer] = j
+    return Nearest(gaps, before, after)
 
 
-def _agreed(
-    starts: np.ndarray, ends: np.ndarray, left: np.ndarray, right: np.ndarray, sure: np.ndarray
-) -> np.ndarray:
+def _agreed(starts: np.ndarray, ends: np.ndarray, nearest: Nearest, sure: np.ndarray) -> np.ndarray:
     """Return the velocities of samples at which a flight to and one from them agree, and of their
     neighbours; else NaN.
 
-    `sure` are the numbers of these samples, counted from the second one; `starts`, `ends` are the
-    velocities of flights over steps, and `left` and `right` the rows that `_nearest` returns.
+    `sure` are the numbers of these samples, counted from the second one. `starts`, `ends` and
+    `nearest` are those of `_nearest`.
     """
     v = np.full(starts.shape[1] + 1, np.nan)
-    left = left[sure]
-    right = right[sure]
+    # Step i leads from sample i to i + 1: the steps before and after these samples.
+    step_before = sure
+    step_after = sure + 1
+    row_before = nearest.before[sure]
+    row_after = nearest.after[sure]
     # Positions hardly show when in a step a stick begins: where no step before tells v at its start,
     # the exact motion does.
-    flown_to = (left < FLIGHT_ROWS) | (sure != 1)
-    v[sure[flown_to]] = starts[left, sure][flown_to]
-    v[sure + 2] = ends[right, sure + 1]
-    arrives = ends[left, sure]
-    leaves = starts[right, sure + 1]
+    flown_to = (row_before < FLIGHT_ROWS) | (sure != 1)
+    v[step_before[flown_to]] = starts[row_before, step_before][flown_to]
+    v[step_after + 1] = ends[row_after, step_after]
+    arrives = ends[row_before, step_before]
+    leaves = starts[row_after, step_after]
     # A belt's velocity is exact.
-    is_on_belt = left >= FLIGHT_ROWS
-    leaves_belt = right >= FLIGHT_ROWS
+    is_on_belt = row_before >= FLIGHT_ROWS
+    leaves_belt = row_after >= FLIGHT_ROWS
     mean = 0.5 * (arrives + leaves)
-    v[sure + 1] = np.where(is_on_belt, arrives, np.where(leaves_belt, leaves, mean))
+    v[step_after] = np.where(is_on_belt, arrives, np.where(leaves_belt, leaves, mean))
     return v
 
 
@@ -435,10 +482,9 @@ def _continued(
         on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
         # Unknown velocities count as 0, so that their defects are the exact velocities themselves.
         samples = np.array([t, x, np.where(np.isnan(v), 0.0, v), theta])
-        defects = follow_from(K, samples, steps, on)[0]
-        followed = defects[:, 1]
+        followed = follow_from(K, samples, steps, on).defects_of_v
         v[steps + 1] = np.where(np.isnan(followed), v[steps], followed)
-    rest = np.flatnonzero(np.isnan(v))
-    if len(rest):
-        v[rest] = np.interp(t[rest], t[~np.isnan(v)], v[~np.isnan(v)])
+    unknown = np.isnan(v)
+    if np.any(unknown):
+        v[unknown] = np.interp(t[unknown], t[~unknown], v[~unknown])
     return v
