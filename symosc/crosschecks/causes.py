@@ -128,6 +128,8 @@ FITS_LARGEST = 1e-3
 ENOUGH = 0.9
 # A fitted model is tried on all steps if it leaves this part of the defects.
 LEFT_OVER = 0.1
+# Rounds of Gauss-Newton.
+FIT_ROUNDS = 8
 
 
 class FittedNumber(NamedTuple):
@@ -155,15 +157,16 @@ class FaultySteps:
     def __init__(self, check: Verdict, around: int) -> None:
         """Follow the exact motion over the samples of a `Verdict` around a wrong step."""
         low = max(0, min(around - MOST_BEFORE, len(check.t) - MOST_TRIED_STEPS - 1))
-        part = slice(low, low + MOST_TRIED_STEPS + 1)
+        numbers = slice(low, low + MOST_TRIED_STEPS + 1)  # of samples, one more than steps
         self.check = check
         self.offset = low
         self.parameters = check.trajectory.parameters
-        self.allowed = check.allowed[part.start : part.stop - 1]
+        self.allowed = check.allowed[low : low + MOST_TRIED_STEPS]
         self.scales = np.array(check.scales)
         # What is allowed for v in a step is the tolerance at its end; the first also at its start.
-        self.near = np.append(self.allowed[:1, 1], self.allowed[:, 1])
-        samples = (check.t[part], check.x[part], check.v[part])
+        _, allowed_v = self.allowed.T
+        self.near = np.append(allowed_v[:1], allowed_v)
+        samples = (check.t[numbers], check.x[numbers], check.v[numbers])
         s = follow_steps(self.parameters, *samples, self.near, self.scales)
         self.steps = s
         self.sizes = np.max(np.abs(s.defects) / self.allowed, axis=1)
@@ -184,9 +187,8 @@ class FaultySteps:
 
     @cached_property
     def telling(self) -> np.ndarray:
-        """Wrong steps that show whether a cause is right.
-
-        The first, the largest, and some of the others.
+        """Wrong steps that show whether a cause is right: the largest ones, and some of the
+        others.
         """
         known = self.moving_wrong[np.isfinite(self.sizes[self.moving_wrong])]
         largest = known[np.argsort(-self.sizes[known])[:LARGEST]]
@@ -361,24 +363,28 @@ def explained_share(before: np.ndarray, left: np.ndarray) -> float:
     if not np.all(left[[first, largest]] <= limits[[first, largest]]):
         return 0.0
     tried = ~np.isnan(left)
-    fits = left <= np.where(wrong, np.maximum(limits, FITS_LARGEST * before[largest]), 1.0)
-    right = int(np.sum(fits & wrong)) - int(np.sum(~fits & ~wrong & tried))
-    return right / int(np.sum(wrong & tried))
+    limits_of_wrong = np.maximum(limits, FITS_LARGEST * before[largest])
+    fits = left <= np.where(wrong, limits_of_wrong, 1.0)
+    mended = int(np.sum(fits & wrong))
+    spoiled = int(np.sum(~fits & ~wrong & tried))
+    return (mended - spoiled) / int(np.sum(wrong & tried))
 
 
 def mended_share(before: np.ndarray, after: np.ndarray) -> float:
-    """Return the fraction of wrong steps that new samples mend.
-
-    The defects are `before` and `after` the change.
-
-    It is 0 if the largest defect stays.
+    """Return the fraction of wrong steps that new samples mend, given the defects `before` and
+    `after` the change; 0 if the largest defect stays.
     """
+    # The new samples may be fewer: shares are compared, not steps.
     wrong = ~(before <= 1.0)
-    usual = before[wrong & np.isfinite(before)]
-    if not len(usual) or not np.max(after, initial=0.0) <= max(1.0, FITS * float(np.max(usual))):
+    known = before[wrong & np.isfinite(before)]
+    if not len(known):
         return 0.0
-    limit = max(1.0, FITS * float(np.median(usual)))
-    return 1.0 - float(np.mean(~(after <= limit))) / float(np.mean(wrong))
+    largest_is_mended = np.max(after, initial=0.0) <= max(1.0, FITS * float(np.max(known)))
+    if not largest_is_mended:
+        return 0.0
+    limit = max(1.0, FITS * float(np.median(known)))
+    still_wrong = float(np.mean(~(after <= limit)))
+    return 1.0 - still_wrong / float(np.mean(wrong))
 
 
 def fitted(
@@ -395,14 +401,14 @@ def fitted(
     value = np.array(start, dtype=float)
     kept = None
     error = np.zeros(len(value))
-    for _ in range(8):
-        here = misses(value)
+    for _ in range(FIT_ROUNDS):
+        residuals = misses(value)
         slopes = [
             (misses(value + tick) - misses(value - tick)) / (2.0 * np.max(tick))
             for tick in np.diag(ticks)
         ]
         J = np.stack(slopes, axis=-1)
-        finite = np.all(np.isfinite(here), axis=1) & np.all(np.isfinite(J), axis=(1, 2))
+        finite = np.all(np.isfinite(residuals), axis=1) & np.all(np.isfinite(J), axis=(1, 2))
         solve = _least_squares
         if kept is None:
             kept = finite
@@ -411,7 +417,7 @@ def fitted(
                 solve = _median_change
         else:
             kept = kept & finite
-        solution = solve(here[kept], J[kept])
+        solution = solve(residuals[kept], J[kept])
         if solution is None:
             return None
         change, error = solution
@@ -423,46 +429,48 @@ def fitted(
         kept = sizes <= max(1.0, 5.0 * float(np.nanmedian(sizes)))
         if np.all(np.abs(change) <= 1e-3 * error):
             break
+    # The deviations are those of misses of 1, the allowed ones: larger misses make larger ones.
     if np.any(kept):
-        rest = np.sqrt(np.mean(misses(value)[kept] ** 2))
+        usual_miss = np.sqrt(np.mean(misses(value)[kept] ** 2))
     else:
-        rest = np.inf
-    return FittedNumber(value, error * max(1.0, float(rest)), sizes)
+        usual_miss = np.inf
+    return FittedNumber(value, error * max(1.0, float(usual_miss)), sizes)
 
 
-def _median_change(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+def _median_change(misses: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """Return by how much to change a single fitted number, and the standard deviation of the
     number.
 
-    It is the weighted median of the changes that the single steps ask for. `here` are the misses of
-    the steps, `J` the derivatives of these misses with respect to the number.
+    It is the weighted median of the changes that the single steps ask for. `J` are the derivatives
+    of the `misses` of the steps with respect to the number.
     """
-    squares = np.sum(J[..., 0] ** 2, axis=1)
+    slopes = J[..., 0]  # rows x, v by the one number
+    squares = np.sum(slopes**2, axis=1)
     used = squares > 0.0
     if not np.any(used):
         return None
-    wanted = -np.sum(J[..., 0] * here, axis=1)[used] / squares[used]
+    wanted = -np.sum(slopes * misses, axis=1)[used] / squares[used]
     weights = np.sqrt(squares[used])
     order = np.argsort(wanted)
     middle = np.searchsorted(np.cumsum(weights[order]), 0.5 * np.sum(weights))
     return wanted[order][[middle]], np.array([1.0 / np.sqrt(np.sum(weights**2))])
 
 
-def _least_squares(here: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return the change of numbers by least squares and its deviations.
-
-    `here` are misses, `J` their derivatives.
+def _least_squares(misses: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return the change of numbers by least squares and its deviations; None if `misses` do not
+    determine them. `J` are the derivatives of the misses.
     """
     matrix = J.reshape(-1, J.shape[-1])
-    right = -here.ravel()
+    right = -misses.ravel()
+    # Columns of the size 1: the numbers have different units.
     units = np.sqrt(np.sum(matrix**2, axis=0))
     if not len(right) or not np.all(units > 0.0):
         return None
     normal = (matrix / units).T @ (matrix / units)
     if np.linalg.cond(normal) > 1e10:
         return None
-    change = np.linalg.lstsq(matrix / units, right, rcond=None)[0] / units
-    return change, np.sqrt(np.diag(np.linalg.inv(normal))) / units
+    change, *_ = np.linalg.lstsq(matrix / units, right, rcond=None)
+    return change / units, np.sqrt(np.diag(np.linalg.inv(normal))) / units
 
 
 def best_between(
@@ -482,19 +490,19 @@ def best_between(
     the miss of every step is at most its `enough`.
     """
     best = low
-    leaves = np.full(len(low), np.inf)
+    least_misses = np.full(len(low), np.inf)
     begin = low
     end = high
     for _ in range(rounds):
-        for part in np.linspace(0.0, 1.0, points):
-            tried = begin + part * (end - begin)
-            left = misses(tried)
-            better = left < leaves
+        for share in np.linspace(0.0, 1.0, points):
+            tried = begin + share * (end - begin)
+            missed = misses(tried)
+            better = missed < least_misses
             best = np.where(better, tried, best)
-            leaves = np.where(better, left, leaves)
+            least_misses = np.where(better, missed, least_misses)
         width = (end - begin) / (points - 1)
         begin = np.maximum(best - width, low)
         end = np.minimum(best + width, high)
-        if np.all(leaves <= enough):
+        if np.all(least_misses <= enough):
             break
-    return best, leaves
+    return best, least_misses

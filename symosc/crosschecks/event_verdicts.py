@@ -119,9 +119,8 @@ class EventVerdicts:
         return float(self.steps.events.t[self.local[i]])
 
     def _pair(self) -> None:
-        """Pair as many events as possible.
-
-        Of the same kind, in order of time, and within their time errors.
+        """Pair as many events as possible that are of one kind, in order of time, and within their
+        time errors.
         """
         slacks = np.array([event.spread for event in self.reported])
         if self.are_listed:
@@ -137,35 +136,35 @@ class EventVerdicts:
             self.matched.append(Match(self.exact[i], event.t, event))
 
     def _claims(self, lists: Sequence[Sequence[float]]) -> set[tuple[int, str]]:
-        """Return the contacts that lists of times claim to have.
-
-        Pairs of a belt and the domain that the mass is in before.
+        """Return the contacts that lists of times claim to have, as pairs of a belt and the domain
+        that the mass is in before.
 
         A list that has contacts at a belt claims all there, or, as an event function may look for
         one direction alone, all from the same side. An empty list beside such a list is that of the
         belt that no other one has.
         """
-        contacts = {(e.boundary, e.source) for e in self.exact if e.kind in CONTACTS}
+        contacts = _contacts(self.exact)
         by_time = {match.t: match.event for match in self.matched}
         claims = set[tuple[int, str]]()
-        one_way = False
+        some_from_one_side = False  # whether a list lacks the contacts from one side of its belt
         for times in lists:
             events = [by_time[time] for time in times if time in by_time]
-            own = {(e.boundary, e.source) for e in events if e.kind in CONTACTS}
-            claims |= own
-            belts = {belt for belt, _ in own}
-            one_way |= own != {contact for contact in contacts if contact[0] in belts}
+            of_list = _contacts(events)
+            claims |= of_list
+            belts = {belt for belt, _ in of_list}
+            at_its_belts = {(belt, source) for belt, source in contacts if belt in belts}
+            some_from_one_side |= of_list != at_its_belts
         if claims and any(not times for times in lists):
-            for belt in {1, 2} - {belt for belt, _ in claims}:
-                at_belt = {contact for contact in contacts if contact[0] == belt}
-                if len(at_belt) > 1 or not one_way:
+            for unclaimed in {1, 2} - {belt for belt, _ in claims}:
+                at_belt = {(belt, source) for belt, source in contacts if belt == unclaimed}
+                # If lists are of one side, an empty one may be of the side without contacts.
+                if len(at_belt) > 1 or not some_from_one_side:
                     claims |= at_belt
         return claims
 
     def _allow_repeats_and_sticks(self) -> None:
-        """Drop times at which a solver's event function is 0 again.
-
-        At the same event, or all along a stick.
+        """Drop times at which a solver's event function is 0 again, at the same event or all along
+        a stick.
         """
         motion = self.motion
         for j in sorted(self.reported_free):
@@ -207,11 +206,12 @@ class EventVerdicts:
                     continue
                 distance = abs(float(events.t[row]) - event.t)
                 reach = self.tolerances.of_row(row)
-                near = np.flatnonzero(
-                    np.abs(self.times - events.t[row]) <= self.reaches + reach
-                ).tolist()
-                kind = row_kind, events.boundary[row]
-                is_exact = any((self.exact[i].kind, self.exact[i].boundary) == kind for i in near)
+                gaps = np.abs(self.times - events.t[row])
+                near = np.flatnonzero(gaps <= self.reaches + reach).tolist()
+                row_contact = row_kind, events.boundary[row]
+                is_exact = row_contact in [
+                    (self.exact[i].kind, self.exact[i].boundary) for i in near
+                ]
                 if not is_exact and distance <= reach + self.tolerances.listed[j]:
                     used.add(row)
                     self._set_aside([j], ())
@@ -223,24 +223,34 @@ class EventVerdicts:
         """
         partners = {id(match.event): match.found for match in self.matched}
         numbers = {id(event): j for j, event in enumerate(self.reported)}
+        for cluster in self._clusters():
+            low = min(self.times[i] - self.reaches[i] for i in cluster)
+            high = max(self.times[i] + self.reaches[i] for i in cluster)
+            unpaired = [j for j in self.reported_free if low <= self.reported[j].t <= high]
+            unpaired_exact = self.exact_free & set(cluster)
+            if not (unpaired or unpaired_exact) or self._is_wrong(low, high):
+                continue
+            # All reported events of the cluster: are they a row that the exact ones may look like?
+            ids = [id(self.exact[i]) for i in cluster]
+            paired = [numbers[id(partners[number])] for number in ids if number in partners]
+            reported = sorted([*unpaired, *paired])
+            alike = _alike(self.exact[cluster[0]].source, self.exact[cluster[-1]].target)
+            if _fits([self.reported[j].kind for j in reported], alike):
+                self._set_aside(unpaired, unpaired_exact)
+
+    def _clusters(self) -> list[list[int]]:
+        """Return runs of numbers of exact events at one belt, each within the time errors of the
+        one before it.
+        """
         clusters: list[list[int]] = []
         for i, event in enumerate(self.exact):
-            close = i > 0 and event.boundary == self.exact[i - 1].boundary
-            if close and self.times[i] - self.times[i - 1] <= self.reaches[i] + self.reaches[i - 1]:
+            is_at_belt = i > 0 and event.boundary == self.exact[i - 1].boundary
+            reach = self.reaches[i] + self.reaches[i - 1]
+            if is_at_belt and self.times[i] - self.times[i - 1] <= reach:
                 clusters[-1].append(i)
             else:
                 clusters.append([i])
-        for cluster in clusters:
-            low = min(self.times[i] - self.reaches[i] for i in cluster)
-            high = max(self.times[i] + self.reaches[i] for i in cluster)
-            loose = [j for j in self.reported_free if low <= self.reported[j].t <= high]
-            if not (loose or self.exact_free & set(cluster)) or self._is_wrong(low, high):
-                continue
-            own = [partners[id(self.exact[i])] for i in cluster if id(self.exact[i]) in partners]
-            there = sorted([*loose, *(numbers[id(event)] for event in own)])
-            alike = _alike(self.exact[cluster[0]].source, self.exact[cluster[-1]].target)
-            if _fits([self.reported[j].kind for j in there], alike):
-                self._set_aside(loose, self.exact_free & set(cluster))
+        return clusters
 
     def _allow_near_grazes(self) -> None:
         """Set aside listed contacts where the exact motion nearly touches a belt, closer than the
@@ -253,11 +263,16 @@ class EventVerdicts:
             # A contact next to an exact event belongs to that event.
             if width is None or np.any(np.abs(self.times - time) <= self.reaches + width):
                 continue
-            if not self._is_wrong(time - width, time + width):
-                if runs and self.reported[j].t - self.reported[runs[-1][-1]].t <= 2.0 * width:
-                    runs[-1].append(j)
-                else:
-                    runs.append([j])
+            if self._is_wrong(time - width, time + width):
+                continue
+            is_next = False  # whether it belongs to the last run
+            if runs:
+                before = runs[-1][-1]
+                is_next = time - self.reported[before].t <= 2.0 * width
+            if is_next:
+                runs[-1].append(j)
+            else:
+                runs.append([j])
         for run in runs:
             if _fits([self.reported[j].kind for j in run], RETURNS):
                 self._set_aside(run, ())
@@ -275,12 +290,13 @@ class EventVerdicts:
 
     def _is_wrong(self, low: float, high: float) -> bool:
         """Return whether any step between two times is wrong."""
-        return bool(self.wrong[self.steps.at(low)[0] : self.steps.at(high)[1] + 1].any())
+        first, _ = self.steps.at(low)
+        _, last = self.steps.at(high)
+        return bool(self.wrong[first : last + 1].any())
 
     def _judge_exact(self) -> None:
-        """Classify exact events without partner.
-
-        Missed, matched as inside a right step, or else unresolved.
+        """Classify exact events without partner as missed, as matched (inside a right step), or as
+        unresolved.
         """
         t = self.steps.t
         slack = 1e-6 * self.steps.K.period
@@ -300,7 +316,9 @@ class EventVerdicts:
             inside = self._time_inside(i, slice(first, last + 2), slack)
             near = inside is not None and abs(inside - time) <= self.window
             is_graze = event.kind == "graze"
-            if self.wrong[first : last + 1].any() or (self.are_listed and near and not is_graze):
+            is_in_wrong_step = self.wrong[first : last + 1].any()
+            is_unlisted = self.are_listed and near and not is_graze
+            if is_in_wrong_step or is_unlisted:
                 if not is_graze:  # nothing changes at a graze: it cannot be missed
                     self.missed.append(event)
             elif near and inside is not None:
@@ -322,9 +340,8 @@ class EventVerdicts:
         return None
 
     def _judge_reported(self) -> None:
-        """Classify reported events without partner.
-
-        Invented if listed or in a wrong step, else unresolved.
+        """Classify reported events without partner as invented, if listed or in a wrong step, or
+        as unresolved.
         """
         events = self.steps.events
         wrong_before = np.append(0, np.cumsum(self.wrong)).tolist()
@@ -371,6 +388,11 @@ class EventVerdicts:
             event for number, event in both.items() if number not in judged and event.kind
         ]
         self.notes = [*self.notes, *listed.notes]
+
+
+def _contacts(events: Iterable[Event]) -> set[tuple[int, str]]:
+    """Return the belt of each contact among events, and the mode before it."""
+    return {(event.boundary, event.source) for event in events if event.kind in CONTACTS}
 
 
 def _alike(source: str, target: str) -> set[tuple[str, ...]]:

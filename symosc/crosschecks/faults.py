@@ -111,66 +111,77 @@ class WrongStep:
         self.times = steps.events.t[self.rows]
         self.limit = max(1.0, EXPLAINS * self.size)
         self.fitting: list[int] = (1 + np.flatnonzero(to_next <= self.limit)).tolist()
-        self.at_once = bool(len(self.times)) and bool(
-            self.times[0] - steps.t[i] <= AT_ONCE * steps.K.period
-        )
-        #: v minus the speeds of both belts, at the first and the next sample.
-        self.gaps = steps.v[i : i + 2] - steps.belts[:, None]
-        self.nearest = int(np.argmin(np.abs(self.gaps[:, 0])))
+        self.at_once = False
+        if len(self.times):
+            self.at_once = bool(self.times[0] - steps.t[i] <= AT_ONCE * steps.K.period)
+        #: v minus the speeds of both belts, at the first and at the next sample.
+        self.gaps_before = steps.v[i] - steps.belts
+        self.gaps_after = steps.v[i + 1] - steps.belts
+        #: The index of the belt that is nearest to v at the first sample.
+        self.nearest = int(np.argmin(np.abs(self.gaps_before)))
 
     @property
-    def here(self) -> str:
+    def start_text(self) -> str:
         """Where v is at the start of the step, in words."""
-        gap = self.gaps[self.nearest, 0]
+        gap = self.gaps_before[self.nearest]
         return f"v - v{self.nearest + 1} = {gap:.2g} at its start"
 
 
 def _undecidable(step: WrongStep) -> str:
+    """Say that doubles cannot decide the exact motion over the step."""
     if np.isfinite(step.size):
         return ""
     return "the exact motion over the step cannot be decided in double precision"
 
 
 def _jump(step: WrongStep) -> str:
+    """Say that no time passes in the step."""
     if step.steps.t[step.i + 1] != step.steps.t[step.i]:
         return ""
     return f"samples {step.i} and {step.i + 1} are at one time and differ"
 
 
 def _drift(step: WrongStep) -> str:
+    """Say that v drifts off the belt in a stick."""
     belt = step.last - ON_BELT
     if belt <= 0 or step.mode != step.last:
         return ""
-    gap = step.gaps[belt - 1, 1]
-    if gap == 0.0 or abs(step.steps.defects[step.i, 0]) > step.allowed[0]:
+    gap = step.gaps_after[belt - 1]
+    defect_x, _ = step.steps.defects[step.i]
+    allowed_x, _ = step.allowed
+    if gap == 0.0 or abs(defect_x) > allowed_x:
         return ""
     return f"v should be v{belt} in the stick and is off by {gap:.2g}"
 
 
 def _wrong_force(step: WrongStep) -> str:
+    """Say that the force of another domain explains a step without event."""
     if not step.fitting or len(step.times) or step.first > ON_BELT:
         return ""
     return f"the force of Omega{step.fitting[0]} explains the step, which lies in Omega{step.first}"
 
 
 def _event_at_start(step: WrongStep) -> str:
+    """Say that an event at the start of the step is decided otherwise."""
     if step.first > ON_BELT and step.mode <= ON_BELT:
-        return f"the mass sticks to belt {step.first - ON_BELT} here, the samples leave it ({step.here})"
-    near_start = abs(step.gaps[step.nearest, 0]) <= step.near
+        return f"the mass sticks to belt {step.first - ON_BELT} here, the samples leave it ({step.start_text})"
+    near_start = abs(step.gaps_before[step.nearest]) <= step.near
     if step.fitting and near_start and (not len(step.times) or step.at_once):
-        return f"the force of Omega{step.fitting[0]} explains the step ({step.here})"
+        return f"the force of Omega{step.fitting[0]} explains the step ({step.start_text})"
     return ""
 
 
 def _sign_tolerance(step: WrongStep) -> str:
+    """Say that the step begins, or ends a stick, on the wrong side of a belt."""
     if step.mode <= ON_BELT and step.first <= ON_BELT and step.at_once:
-        return f"{step.here}: the step begins on the wrong side of the belt"
+        return f"{step.start_text}: the step begins on the wrong side of the belt"
     if step.mode > ON_BELT and step.last <= ON_BELT and step.mode_before == step.mode:
-        return f"the mass leaves belt {step.mode - ON_BELT}, the samples stay on it ({step.here})"
+        return f"the mass leaves belt {step.mode - ON_BELT}, the samples stay on it ({step.start_text})"
     return ""
 
 
 def _double_root(step: WrongStep) -> str:
+    """Say that the motion meets a belt and comes back within the step."""
     if not len(step.times) or not step.first == step.last == step.mode:
         return ""
     belt = step.steps.events.boundary[step.rows][0]
@@ -180,27 +191,30 @@ def _double_root(step: WrongStep) -> str:
 
 
 def _outlier(step: WrongStep) -> str:
+    """Say that the next sample alone is off."""
     i = step.i
     if len(step.times) or i + 2 >= len(step.steps.t) or step.first > ON_BELT:
         return ""
     left = step.over_next[step.first - 1]
     if not left <= step.limit:
         return ""
-    part = "is right" if left <= 1.0 else f"is off by {left / step.size:.0e} of that"
-    return f"without sample {i + 1} the step from {i} to {i + 2} {part}"
+    verdict = "is right" if left <= 1.0 else f"is off by {left / step.size:.0e} of that"
+    return f"without sample {i + 1} the step from {i} to {i + 2} {verdict}"
 
 
 def _crossing(step: WrongStep) -> str:
+    """Say which event the step has."""
     if not len(step.times):
         return ""
     target = int(step.steps.events.target[step.rows][0])
-    what = f"{MODE_NAMES[step.first]} -> {MODE_NAMES[target]} at t = {step.times[0]:.10g}"
+    event = f"{MODE_NAMES[step.first]} -> {MODE_NAMES[target]} at t = {step.times[0]:.10g}"
     if step.fitting:
-        return f"{what}; the force of Omega{step.fitting[0]} was kept"
-    return what
+        return f"{event}; the force of Omega{step.fitting[0]} was kept"
+    return event
 
 
 def _local(step: WrongStep) -> str:
+    """Say that the step has no event."""
     return f"the step lies in {MODE_NAMES[step.first]} and has no event"
 
 

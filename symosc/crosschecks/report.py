@@ -130,8 +130,9 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
     @property
     def limits_there(self) -> tuple[float, float]:
         """The limits of the errors of x and v, each at the sample where this error is largest."""
-        worst = np.nanargmax(np.abs(self.errors), axis=0)
-        return float(self.limits[worst[0], 0]), float(self.limits[worst[1], 1])
+        worst_x, worst_v = np.nanargmax(np.abs(self.errors), axis=0)
+        limits_x, limits_v = self.limits.T
+        return float(limits_x[worst_x]), float(limits_v[worst_v])
 
     def __repr__(self) -> str:
         return f"<CrossCheck {self.summary().splitlines()[0]}>"
@@ -151,17 +152,17 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
         """Return lines about how many samples, steps and events are right, and the largest
         errors.
         """
-        worst = np.max(np.abs(self.defects), axis=0)
-        limits = self.limits_there
+        defect_x, defect_v = np.max(np.abs(self.defects), axis=0)
+        limit_x, limit_v = self.limits_there
         verdict = "ok" if self.ok else "FAILED"
         counts = [f"{len(getattr(self, name))} {name}" for name in EVENT_LISTS[:3]]
         events = ", ".join([*counts, f"{len(self.unresolved)} within the global error"])
         return [
             f"{verdict}: {len(self.t)} samples, tolerance {self.tolerance:g} per step",
-            f"largest defect of a step: {worst[0]:.2e} in x, {worst[1]:.2e} in v; "
+            f"largest defect of a step: {defect_x:.2e} in x, {defect_v:.2e} in v; "
             f"wrong steps: {len(self.wrong_steps)} of {len(self.defects)}",
             f"largest global error: {self.max_error_x:.2e} in x, {self.max_error_v:.2e} in v "
-            f"(allowed there {limits[0]:.1e} and {limits[1]:.1e})",
+            f"(allowed there {limit_x:.1e} and {limit_v:.1e})",
             f"events: {events}",
         ]
 
@@ -175,10 +176,11 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
             yield f"early end: {self.early_end} (partial=True, --partial: allowed)"
         beyond = np.flatnonzero(np.any(np.abs(self.errors) > self.limits, axis=1))
         if len(beyond):
-            x, v = np.abs(self.errors[beyond[0]])
-            t = self.t[beyond[0]]
-            limits = self.limits[beyond[0]]
-            allowed = f"allowed {limits[0]:.1e} and {limits[1]:.1e}"
+            first = beyond[0]
+            x, v = np.abs(self.errors[first])
+            t = self.t[first]
+            limit_x, limit_v = self.limits[first]
+            allowed = f"allowed {limit_x:.1e} and {limit_v:.1e}"
             where = f"first at t = {t:.10g} ({x:.1e} in x, {v:.1e} in v, {allowed})"
             count = f"{len(beyond)} of {len(self.t)} samples"
             yield f"global error beyond its limit: {count}, {where}"
@@ -223,10 +225,12 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
 
     def as_dict(self) -> Record:
         """Return the findings as plain values, without the samples."""
-        worst = [
+        # JSON has no NaN: a step that cannot be decided has no defect.
+        max_defect_x, max_defect_v = (
             None if np.isnan(value) else float(value)
             for value in np.max(np.abs(self.defects), axis=0)
-        ]
+        )
+        allowed_x, allowed_v = self.limits_there
         return {
             "ok": self.ok,
             "samples": len(self.t),
@@ -235,12 +239,12 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
             "scales": list(self.scales),
             "max_error_x": self.max_error_x,
             "max_error_v": self.max_error_v,
-            "allowed_error_x": self.limits_there[0],
-            "allowed_error_v": self.limits_there[1],
+            "allowed_error_x": allowed_x,
+            "allowed_error_v": allowed_v,
             "wrong_start": self.wrong_start,
             "early_end": self.early_end,
-            "max_defect_x": worst[0],
-            "max_defect_v": worst[1],
+            "max_defect_x": max_defect_x,
+            "max_defect_v": max_defect_v,
             "wrong_steps": self.wrong_steps.tolist(),
             "wrong_spans": self.wrong_spans.tolist(),
             "matched": [
@@ -343,9 +347,8 @@ class CrossChecks(list[CrossCheck]):
         return f"<CrossChecks of {counted(len(self), 'solution')}: {right:,} ok, {wrong:,} failed>"
 
     def summary(self) -> str:
-        """Return the findings as lines of text.
-
-        How many are right, and the faults of the first that are not.
+        """Return the findings as lines of text: how many are right, and the faults of the first
+        that are not.
         """
         failed = [
             (name, check) for name, check in zip(self.names, self, strict=True) if not check.ok

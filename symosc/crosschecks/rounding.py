@@ -18,6 +18,11 @@ FEW_VALUES = 1000
 DOUBLE_ROUNDING = 4.0 * np.finfo(float).eps
 
 
+# Levels of an even grid: the fewest that show one, and those up to which they are few.
+FEWEST_LEVELS = 6
+FEW_LEVELS = 16
+
+
 class Digits(NamedTuple):
     """The rounding of a column as text ("6 decimals"), and one unit in the last digit of each of
     its numbers.
@@ -41,17 +46,17 @@ def find_rounding(
     x = find_digits(samples.x, samples.x[:1])
     v = find_digits(samples.v, [*speeds, samples.v[0]])
     if not samples.lacks_v:
-        of_x = x or _as_neighbour(samples.x, v)
-        v = v or _as_neighbour(samples.v, x)
-        x = of_x
+        as_v = x or _as_neighbour(samples.x, v)
+        as_x = v or _as_neighbour(samples.v, x)
+        x = as_v
+        v = as_x
     t = None
     if x is not None or v is not None:
         t = find_digits(samples.t, samples.t[:1])
-        if (
-            t is not None and np.ptp(np.diff(np.rint(samples.t / np.min(t.units)))) == 0.0
-        ):  # an even grid
-            near = start is not None and 0.0 < abs(samples.t[0] - start) <= 0.5000001 * t.units[0]
-            if not near:
+        if t is not None and _are_even(samples.t, t):
+            off = 0.0 if start is None else abs(samples.t[0] - start)
+            is_rounded_start = 0.0 < off <= 0.5000001 * t.units[0]
+            if not is_rounded_start:
                 t = None
     listed = np.array([time for time, _ in samples.events or ()])
     # A list given with rounded samples is likely to be rounded too: one time shows it.
@@ -61,6 +66,11 @@ def find_rounding(
         for name, digits in zip(("t", "x", "v", "events"), (t, x, v, events), strict=True)
         if digits
     }
+
+
+def _are_even(t: np.ndarray, digits: Digits) -> bool:
+    """Return whether rounded times are evenly spaced."""
+    return bool(np.ptp(np.diff(np.rint(t / np.min(digits.units)))) == 0.0)
 
 
 def find_digits(
@@ -111,10 +121,11 @@ def _decimal(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
     if significant is None:
         return None
     places = significant - 1 - exponents
-    tried = range(int(np.min(places)), int(np.max(places)))
-    decimals = next(
-        (d for d in tried if _fits(numbers, np.full(len(numbers), float(d)))), int(np.max(places))
-    )
+    # The fewest decimals that all numbers have, at most as many as the digits need.
+    decimals = int(np.min(places))
+    most_decimals = int(np.max(places))
+    while decimals < most_decimals and not _fits(numbers, np.full(len(numbers), float(decimals))):
+        decimals += 1
     fixed = 10.0 ** -float(decimals)
     floating = 10.0 ** (_exponents(values) + 1 - significant)
     if np.any(floating[values != 0.0] > fixed * 1.5):
@@ -149,20 +160,23 @@ def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
     # Two halves of the numbers, or all but one of a few, must give the same step, of a few numbers
     # to a factor of 2: a single number beside a grid would make a much finer one.
     levels = np.unique(np.abs(numbers))
-    if len(levels) < 6:
+    if len(levels) < FEWEST_LEVELS:
         return None
     largest = float(levels[-1])
-    few = len(levels) < 16
-    if few:
-        parts = [np.delete(levels, i) for i in range(len(levels))]
+    are_few = len(levels) < FEW_LEVELS
+    if are_few:
+        subsets = [np.delete(levels, i) for i in range(len(levels))]
+        most_ratio = 2
     else:
-        parts = [levels[::2], levels[1::2]]
-    counts = [
-        round(largest / step) if (step := _common_step(part, largest)) else 0 for part in parts
-    ]
+        subsets = [levels[::2], levels[1::2]]
+        most_ratio = 1
+    counts = []  # how many steps the largest level has, by each subset; 0 if none is found
+    for subset in subsets:
+        step_of_subset = _common_step(subset, largest)
+        counts.append(round(largest / step_of_subset) if step_of_subset else 0)
     most = max(counts)
     least = min(counts)
-    if not least or most % least or most > (2 if few else 1) * least:
+    if not least or most % least or most > most_ratio * least:
         return None
     step = largest / most
     if np.any(np.abs(values - np.rint(values / step) * step) > 1e-6 * step):
@@ -171,17 +185,16 @@ def _grid(values: np.ndarray, numbers: np.ndarray) -> Digits | None:
 
 
 def _common_step(levels: np.ndarray, largest: float) -> float | None:
-    """Return the largest common divisor of all levels by Euclid's algorithm.
-
-    None if it is too small.
+    """Return the largest common divisor of all levels by Euclid's algorithm; None if it is too
+    small.
     """
     step = float(levels[0])
-    least = largest / 2.0**24
+    least = largest / 2.0**24  # converters have at most 24 bits
     for level in levels[1:].tolist():
-        rest = step
+        remainder = step
         step = level
-        while rest > 0.5 * least:
-            step, rest = rest, abs(step - round(step / rest) * rest)
+        while remainder > 0.5 * least:
+            step, remainder = remainder, abs(step - round(step / remainder) * remainder)
         if step < least:
             return None
         step = level / round(level / step)  # without the rounding of the divisions

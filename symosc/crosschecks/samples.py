@@ -77,16 +77,17 @@ def checked(t: object, x: object, v: object = None, events: object = None) -> Sa
     return Samples(times, arrays["x"], arrays["v"], listed)
 
 
-def check_joints(samples: Samples, part: float, slack: np.ndarray) -> None:
+def check_joints(samples: Samples, share: float, slack: np.ndarray) -> None:
     """Raise ParameterError if two samples at one time, where pieces are joined, differ too much in
     x or v.
 
-    They may differ by the fraction `part` of the largest |x| or |v|, plus twice the error that
+    They may differ by the `share` of the largest |x| or |v|, plus twice the error that
     `slack`, of shape (n, 2), allows to each sample.
     """
     twice = np.flatnonzero(np.diff(samples.t) == 0.0)
-    for name, values, more in (("x", samples.x, slack[:, 0]), ("v", samples.v, slack[:, 1])):
-        limit = part * np.max(np.abs(values)) + more[twice] * 2.0
+    slack_x, slack_v = slack.T
+    for name, values, error in (("x", samples.x, slack_x), ("v", samples.v, slack_v)):
+        limit = share * np.max(np.abs(values)) + error[twice] * 2.0
         jump = np.abs(np.diff(values)[twice])
         wrong = np.flatnonzero(jump > limit)
         if len(wrong):

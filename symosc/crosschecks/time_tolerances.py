@@ -89,24 +89,28 @@ class TimeTolerances:
         K = self.steps.K
         x, v = (float(value) for value in trajectory(time))
         # The phase of the samples' clock does not lose digits at large times.
-        step = self.steps.at(time)[0]
+        step, _ = self.steps.at(time)
         theta = float(self.steps.theta[step] + K.Om * (time - self.steps.t[step]))
         a = self._acceleration(x, v, theta, mode)
-        b = float(derivatives(v, a, sin(theta), cos(theta), K)[0])
-        spread = self._spread(time)[1] + self.allowed_v
+        b, *_ = derivatives(v, a, sin(theta), cos(theta), K)
+        curvature = abs(float(b))
+        _, error_v = self._spread(time)
+        spread = error_v + self.allowed_v
+        # Near its turn v is a parabola, a^2/(2 curvature) away from its extreme value.
         gap = min(abs(v - belt.v) for belt in (K.belt1, K.belt2))
-        if b == 0.0 or gap > REACH_SAFETY * spread or a * a > 2.0 * REACH_SAFETY * spread * abs(b):
+        is_off_belt = gap > REACH_SAFETY * spread
+        is_off_turn = a * a > 2.0 * REACH_SAFETY * spread * curvature
+        if curvature == 0.0 or is_off_belt or is_off_turn:
             return None
-        return REACH_SAFETY * sqrt(2.0 * spread / abs(b))
+        return REACH_SAFETY * sqrt(2.0 * spread / curvature)
 
     def _acceleration(self, x: float, v: float, theta: float, domain: int) -> float:
         """Return the acceleration of the mass at a state x, v and phase theta, with the force of a
         domain.
         """
         K = self.steps.K
-        return float(
-            acceleration(x, v, cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0)
-        )
+        A = (K.A1, K.A2, K.A3)[domain - 1]
+        return float(acceleration(x, v, cos(theta), A, K.cm, K.w0sq, K.f0))
 
     def _spread(self, time: float) -> tuple[float, float]:
         """Return bounds of the errors of x and v around a time.

@@ -291,7 +291,8 @@ def _cut_off(comparison: Comparison) -> Verdict | None:
         return None
     samples = comparison.task.samples
     numbers = np.stack([samples.t, samples.x, samples.v])
-    for way, sign in (("cut off", np.sign(numbers)), ("rounded down", np.ones_like(numbers))):
+    directions = (("cut off", np.sign(numbers)), ("rounded down", np.ones_like(numbers)))
+    for verb, sign in directions:
         moved = comparison.task.with_columns(*(numbers + half * sign))
         # A 0 stays: it may have been cut off from a whole unit on either side.
         again = Comparison(moved, half * (2.0 - np.abs(sign)), comparison.listed)
@@ -300,7 +301,7 @@ def _cut_off(comparison: Comparison) -> Verdict | None:
         verdict = again.verdict()
         if verdict.ok:
             note = (
-                f"the last digits are {way}: half a unit of the last place is added to each sample"
+                f"the last digits are {verb}: half a unit of the last place is added to each sample"
             )
             return replace(verdict, notes=(*verdict.notes, note))
     return None
@@ -313,11 +314,12 @@ def _coarser(comparison: Comparison, verdict: Verdict) -> Verdict | None:
     it is not. None if too few spans are wrong to show a cause.
     """
     spans = verdict.wrong_spans
-    in_spans = np.sum(spans[:, 1] - spans[:, 0])
+    first_samples, last_samples = spans.T
+    in_spans = np.sum(last_samples - first_samples)
     if len(spans) < FEWEST_SPANS or 2 * len(verdict.wrong_steps) >= in_spans:
         return None
     samples = comparison.task.samples
-    kept = _every(int(np.max(spans[:, 1] - spans[:, 0])), len(samples.t))
+    kept = _every(int(np.max(last_samples - first_samples)), len(samples.t))
     off = None if samples.v_off is None else samples.v_off[kept]
     few = comparison.task.with_columns(samples.t[kept], samples.x[kept], samples.v[kept])
     few = replace(few, samples=replace(few.samples, v_off=off, dense=None))
@@ -352,21 +354,27 @@ def _start(task: CheckTask, loose: np.ndarray, rounding: np.ndarray) -> Solution
     if isinstance(scene, Parameters):
         return SolutionStart(start)
     own = np.array([float(scene.t0), float(scene.x0), float(scene.v0)])
-    slack = task.limit * np.maximum(1.0, np.abs(own))
-    slack[0] = max(task.limit / rate, 4.0 * float(np.spacing(abs(own[0]))))
+    own_t, own_x, own_v = own
+    slack_t = max(task.limit / rate, 4.0 * float(np.spacing(abs(own_t))))
+    slack_x = task.limit * max(1.0, abs(own_x))
+    slack_v = task.limit * max(1.0, abs(own_v))
     v_off = 0.0 if samples.v_off is None else float(samples.v_off[0])
     off = np.maximum(rounding, [0.0, 0.0, v_off])
-    if np.all(np.abs(first - own) <= slack + off):
+    if np.all(np.abs(first - own) <= np.array([slack_t, slack_x, slack_v]) + off):
         return SolutionStart({})
     if samples.v_off is not None:  # positions show the first velocity less well
-        slack[2] += 20.0 * max(1.0, rate) * off[2]
-        if np.all(np.abs(first - own) <= slack + off):
+        _, _, off_v = off
+        slack_v += 20.0 * max(1.0, rate) * off_v
+        if np.all(np.abs(first - own) <= np.array([slack_t, slack_x, slack_v]) + off):
             return SolutionStart(start)
-    if first[0] > own[0]:
-        before = task.motion(start["t0"], {})
-        there = before(min(start["t0"], float(before.t_end)))
+    # A solution may begin later, on the motion of the scene.
+    t0 = start["t0"]
+    if t0 > own_t:
+        before = task.motion(t0, {})
+        exact = before(min(t0, float(before.t_end)))
         allowed = task.limit * _scales(before, before.t_end) + loose
-        if before.t_end >= start["t0"] and np.all(np.abs(there - first[1:]) <= allowed):
+        is_near = np.all(np.abs(exact - [start["x0"], start["v0"]]) <= allowed)
+        if before.t_end >= t0 and is_near:
             return SolutionStart(start)
     note = f"the solution starts at {_start_text(first)}; {scene.name} starts at {_start_text(own)}"
     return SolutionStart(start, note)
@@ -434,7 +442,9 @@ class Comparison:
         p = self.task.parameters
         samples = self.task.samples
         tolerance = self.task.tolerance
-        self.near = tolerance * self.scales[1] + self.loose[:, 1]
+        _, scale_v = self.scales
+        _, loose_v = self.loose.T
+        self.near = tolerance * scale_v + loose_v
         allowed = double_rounding(p, samples.t, self.scales) + tolerance * self.scales
         moved = propagated(p, self.loose[:-1], np.diff(samples.t))
         self.allowed = allowed + self.loose[1:] + moved
@@ -488,6 +498,7 @@ class Comparison:
             allowed = allowed + propagated(p, self.loose[ends[:-1]] + added, np.diff(t))
             over = follow_steps(p, t, samples.x[ends], samples.v[ends], self.near[ends], allowed)
             wrong = np.flatnonzero(np.max(np.abs(over.defects) / allowed, axis=1) > 1.0)
+            # The number of wrong spans times their share of all.
             if len(wrong) ** 2 > most * len(t):
                 most = len(wrong) ** 2 / len(t)
                 best = np.column_stack([ends[wrong], ends[wrong + 1]])
@@ -539,8 +550,9 @@ class Comparison:
                 return of_samples
         # Where the exact motion has ended there is nothing to match.
         has_ended = self.until < float(samples.t[-1])
-        there = [i for i, (t, _) in enumerate(events) if not has_ended or t <= self.until]
-        order = sorted(there, key=lambda i: events[i][0])
+        times = [t for t, _ in events]
+        compared = [i for i, t in enumerate(times) if not has_ended or t <= self.until]
+        order = sorted(compared, key=lambda i: times[i])
         pairs = [events[i] for i in order]
         exact = self._exact_events(pairs)
         tolerances = replace(tolerances, listed=tolerances.listed[order])
@@ -557,7 +569,10 @@ class Comparison:
         """Return the exact events, with those just after the end if a list ends there."""
         exact = [*self.trajectory.events]
         span = WINDOW * self.steps.K.period
-        ends_late = bool(pairs) and pairs[-1][0] >= self.until - span
+        ends_late = False
+        if pairs:
+            last_time, _ = pairs[-1]
+            ends_late = last_time >= self.until - span
         if self.trajectory.status == "t_end" and ends_late:
             longer = self.task.motion(self.until + span, self.start.numbers)
             exact += longer.events[len(exact) :]
@@ -650,8 +665,9 @@ def _scales(trajectory: Trajectory, until: float, states: np.ndarray | None = No
     if states is not None:
         reach = np.maximum(reach, np.max(np.abs(states), axis=1))
     met = [abs(float(p.belt(event.boundary))) for event in trajectory.events if event.t <= until]
-    x = float(reach[0])
-    v = max([float(reach[1]), *met])
+    reach_x, reach_v = reach.tolist()
+    x = reach_x
+    v = max([reach_v, *met])
     if x == v == 0.0:
         x = float(push_bound(p, 0.0, 0.0)) / rate**2 or 1.0
     # x is at least as far as a motion at the speed v swings. A motion at rest has no speed.

@@ -128,13 +128,16 @@ def flattened(variables: Record, prefix: str = "") -> Record:
 def _content(variables: Record) -> Any:
     """Return the variables of a file as columns; of a file with a single array this alone.
 
-    A struct in which all of them are does not count for their names.
+    The name of a struct in which all of them are is left out of their names.
     """
     columns = flattened(variables)
-    while columns and len({name.partition(".")[0] for name in columns}) == 1:
-        if not all("." in name for name in columns):
+    while columns:
+        parts = [name.partition(".") for name in columns]
+        structs = {struct for struct, _, _ in parts}
+        if len(structs) > 1 or not all(dot for _, dot, _ in parts):
             break
-        columns = {name.partition(".")[2]: values for name, values in columns.items()}
+        fields = [field for _, _, field in parts]
+        columns = dict(zip(fields, columns.values(), strict=True))
     if len(columns) == 1:
         (only,) = columns.values()
         if only is not None and np.ndim(only):
@@ -146,9 +149,8 @@ def _content(variables: Record) -> Any:
 
 
 def read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the datasets in one group of an HDF5 or netCDF 4 file.
-
-    The group nearest to the root that has any.
+    """Return the datasets in one group of an HDF5 or netCDF 4 file, the one nearest to the root
+    that has any.
     """
     h5py = optional("h5py", "an HDF5 file", "tables")
     groups: dict[str, Record] = {}
@@ -160,19 +162,18 @@ def read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
         """
         # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and
         # x/value.
-        octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
-        if (
-            not isinstance(item, h5py.Dataset)
-            or path.startswith("#")
-            or (octave and path.endswith("/type"))
-        ):
+        is_octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
+        if not isinstance(item, h5py.Dataset) or path.startswith("#"):
             return
-        if octave:
+        if is_octave and path.endswith("/type"):
+            return
+        if is_octave:
             path = path.removesuffix("/value")
         cell = re.fullmatch(r"(.*)/value/_(\d+)", path)
         if cell:
-            group, _, name = cell[1].rpartition("/")
-            groups.setdefault(group, {}).setdefault(name, {})[int(cell[2])] = item
+            array, number = cell.groups()
+            group, _, name = array.rpartition("/")
+            groups.setdefault(group, {}).setdefault(name, {})[int(number)] = item
         else:
             group, _, name = path.rpartition("/")
             groups.setdefault(group, {})[name] = item
@@ -182,9 +183,10 @@ def read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
         if not groups:
             return {}
         nearest = min(groups, key=lambda group: len(group.split("/")) if group else 0)
+        items = groups[nearest]
         columns: Record = {}
-        for name, item in groups[nearest].items():
-            is_read = len(groups[nearest]) == 1 or is_wanted(name, asked)
+        for name, item in items.items():
+            is_read = len(items) == 1 or is_wanted(name, asked)
             columns[name] = _hdf5_value(item, where) if is_read else None
         return _content(columns)
 
@@ -325,9 +327,8 @@ def _octave_value(kind: str, lines: Iterator[str]) -> Any:
         return np.squeeze(values.reshape(shape, order="F"))
     rows = number("rows", sizes)
     columns = number("columns")
-    return np.squeeze(
-        np.array(" ".join(islice(lines, rows)).split(), dtype=float).reshape(rows, columns)
-    )
+    texts = " ".join(islice(lines, rows)).split()
+    return np.squeeze(np.array(texts, dtype=float).reshape(rows, columns))
 
 
 # -- MATLAB ----------------------------------------------------------------------------------------
@@ -367,24 +368,27 @@ def has_wrong_tags(data: bytes) -> bool:
     if order is None:
         return False  # version 4, or no such file: scipy says so
     try:
-        return not all(
-            _is_sound(data, order, *tag, 1)
-            for tag in _tags(data, order, MAT_HEADER, len(data), False)
-        )
+        tags = _tags(data, order, MAT_HEADER, len(data), False)
+        return not all(_is_sound(data, order, tag, 1) for tag in tags)
     except (struct.error, ValueError):
         return True
 
 
-def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: int) -> bool:
-    """Return whether a MATLAB data element of type number `kind`, and every element nested in it,
-    has a valid tag.
-    """
-    if kind != MATRIX_TYPE:  # a packed matrix has a checksum of its own
-        return kind in OTHER_TYPES
-    parts = list(_tags(data, order, begin, end, True))
+class Tag(NamedTuple):
+    """The number of the type of a MATLAB data element, and where its content begins and ends."""
+
+    kind: int
+    begin: int
+    end: int
+
+
+def _is_sound(data: bytes, order: str, tag: Tag, depth: int) -> bool:
+    """Return whether a MATLAB data element, and every element nested in it, has a valid tag."""
+    if tag.kind != MATRIX_TYPE:  # a packed matrix has a checksum of its own
+        return tag.kind in OTHER_TYPES
+    parts = list(_tags(data, order, tag.begin, tag.end, True))
     if parts:
-        _, flags_begin, _ = parts[0]
-        (flags,) = struct.unpack_from(f"{order}I", data, flags_begin)
+        (flags,) = struct.unpack_from(f"{order}I", data, parts[0].begin)
         matrix_class = flags & 0xFF
         imaginary_parts = flags >> 11 & 1
         index_lists = 2 if matrix_class == SPARSE_CLASS else 0  # of rows and of columns
@@ -392,17 +396,12 @@ def _is_sound(data: bytes, order: str, kind: int, begin: int, end: int, depth: i
         expected = 4 + imaginary_parts + index_lists
         if matrix_class in NUMBER_CLASSES and len(parts) != expected:
             return False
-    return depth <= DEEPEST_NESTING and all(
-        _is_sound(data, order, *part, depth + 1) for part in parts
-    )
+    are_sound = (_is_sound(data, order, part, depth + 1) for part in parts)
+    return depth <= DEEPEST_NESTING and all(are_sound)
 
 
-def _tags(
-    data: bytes, order: str, at: int, end: int, inside: bool
-) -> Iterator[tuple[int, int, int]]:
+def _tags(data: bytes, order: str, at: int, end: int, inside: bool) -> Iterator[Tag]:
     """Yield the tags of the data elements between two positions of a MATLAB file.
-
-    Number of the type, begin and end.
 
     Elements `inside` a matrix are followed by zeros up to a multiple of 8 bytes. `order` is the
     byte order.
@@ -410,13 +409,13 @@ def _tags(
     while at < end:
         kind, size = struct.unpack_from(f"{order}II", data, at)
         if kind >> 16:  # a short one, in the tag itself
-            yield kind & 0xFFFF, at + 4, at + 8
+            yield Tag(kind & 0xFFFF, at + 4, at + 8)
             at += 8
             continue
         begin = at + 8
         at = at + 8 + size
         if at > end:
             raise ValueError("an element reaches beyond its end")
-        yield kind, begin, at
+        yield Tag(kind, begin, at)
         if inside:
             at += -size % 8

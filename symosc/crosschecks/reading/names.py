@@ -93,9 +93,8 @@ def plain(name: str) -> str:
 
 
 def is_wanted(name: str, asked: Asked | None) -> bool:
-    """Return whether to read the column `name`.
-
-    Any if `asked` is None, else one asked for or with a usual name.
+    """Return whether to read the column `name`: any if `asked` is None, else one that is asked for
+    or has a usual name.
     """
     if asked is None or plain(name) in set().union(*USUAL_NAMES.values()):
         return True
@@ -114,9 +113,7 @@ def refuse_twice(where: str, names: Iterable[str], asked: Asked | None) -> None:
 
 def find_columns(names: Sequence[str], asked: Asked, where: str) -> dict[str, str]:
     """Return the names of t and x, and of v and id if present, among the columns `names` of
-    `where`.
-
-    Those that are `asked` for, else usual names. ParameterError if that is not clear.
+    `where`: those that are `asked` for, else usual names. ParameterError if that is not clear.
     """
     missing = f"is missing in {where}; there are: {names_text(names)}"
     columns: dict[str, str] = {}
@@ -124,12 +121,13 @@ def find_columns(names: Sequence[str], asked: Asked, where: str) -> dict[str, st
     for name, usual in USUAL_NAMES.items():
         wanted = asked.get(name)
         if wanted is not None:
+            # As it is written, else in capitals or small letters.
             alike = [column for column in names if column == wanted]
             alike = alike or [column for column in names if column.lower() == wanted.lower()]
             if len(set(alike)) != 1:
                 raise ParameterError("column", wanted, missing)
             columns[name] = alike[0]
-        elif name not in asked:
+        elif name not in asked:  # what is asked as None is not to be looked for
             fitting = [column for column in free if column == name][:1]
             fitting = fitting or [column for column in free if plain(column) in usual]
             if len(fitting) > 1 and name in SAMPLE_COLUMNS:
@@ -140,10 +138,12 @@ def find_columns(names: Sequence[str], asked: Asked, where: str) -> dict[str, st
                 columns[name] = fitting[0]
     for name in ("t", "x"):
         if name not in columns:
-            left = [column for column in free if column not in columns.values()]
-            say = f"; say which, such as {name}={brief(left[0])}" if left else ""
-            raise ParameterError("column", name, missing + say)
-    if "v" not in columns and "v" not in asked and set(names) - {*columns.values(), EVENTS}:
+            unused = [column for column in free if column not in columns.values()]
+            advice = f"; say which, such as {name}={brief(unused[0])}" if unused else ""
+            raise ParameterError("column", name, missing + advice)
+    # A table of t and x alone is a solution without velocities; with further columns one may be v.
+    has_other_columns = bool(set(names) - {*columns.values(), EVENTS})
+    if "v" not in columns and "v" not in asked and has_other_columns:
         what = f"{missing}; without velocities, which are then computed: v=none"
         raise ParameterError("column", "v", what)
     return columns

@@ -95,14 +95,7 @@ def _columns_of_rows(source: Sequence[Any], where: str) -> NamedColumns | None:
     if all(isinstance(row, Mapping) and _has_numbers(row) for row in source):
         names = dict.fromkeys(name for row in source for name in row)
         return NamedColumns({str(name): [row.get(name) for row in source] for name in names})
-    numbers = (int, float, str, np.number)
-    are_rows = all(
-        isinstance(row, (list, tuple, np.ndarray))
-        and len(row)
-        and all(isinstance(value, numbers) for value in row)
-        for row in source
-    )
-    if not are_rows:
+    if not all(map(_is_row, source)):
         return None
     lengths = {len(row) for row in source}
     if len(lengths) > 1:
@@ -113,6 +106,13 @@ def _columns_of_rows(source: Sequence[Any], where: str) -> NamedColumns | None:
         what = "must have columns t, x, v, so the shape (n, 3); this is its shape"
         raise ParameterError(where, (len(source), len(columns)), what)
     return NamedColumns(dict(zip(SAMPLE_COLUMNS, columns, strict=False)), are_matched=True)
+
+
+def _is_row(row: Any) -> bool:
+    """Return whether an object is a sequence of numbers, perhaps written as text."""
+    if not isinstance(row, (list, tuple, np.ndarray)) or not len(row):
+        return False
+    return all(isinstance(value, (int, float, str, np.number)) for value in row)
 
 
 def _has_numbers(row: Mapping[Any, Any]) -> bool:
@@ -168,9 +168,8 @@ def _joined(pieces: list[Samples]) -> list[Samples]:
 
 
 def _samples_of(named: NamedColumns, asked: Asked, problem: Problem, where: str) -> list[Samples]:
-    """Return the solutions in named columns.
-
-    A single one, or one for each id or for each row of matrices.
+    """Return the solutions in named columns: a single one, or one for each id or for each row of
+    matrices.
     """
     if named.are_matched:
         asked = {}
@@ -227,20 +226,23 @@ def _array(values: Any) -> np.ndarray:
 def _with_states_split(table: Record, asked: Asked) -> Record:
     """Return a table with columns x and v in place of a matrix of states, as solvers return it."""
     names = [name for name in table if name not in SOLVER_EVENTS]
-    have = {
-        key: [name for name in names if name == asked.get(key) or plain(name) in USUAL_NAMES[key]]
-        for key in SAMPLE_COLUMNS
-    }
-    if not have["t"]:
+
+    def named(key: str) -> list[str]:
+        """Return the names that may be those of t, x or v."""
+        usual = USUAL_NAMES[key]
+        return [name for name in names if name == asked.get(key) or plain(name) in usual]
+
+    names_of_t = named("t")
+    if not names_of_t:
         return table
-    times = _array(table[have["t"][0]]).ravel()
-    is_named_x = bool(have["x"]) or "x" in asked
+    times = _array(table[names_of_t[0]]).ravel()
+    is_named_x = bool(named("x")) or "x" in asked
     if not is_named_x:
         candidates = [name for name in names if name.lower() in STATE_NAMES]
-    elif have["v"]:
+    elif named("v"):
         candidates = []
-    else:
-        candidates = have["x"]
+    else:  # a matrix that is called x may hold v too
+        candidates = named("x")
     for name in candidates:
         states = _array(table[name])
         rows = states_as_rows(times, states, prefer_columns=True)
@@ -251,9 +253,10 @@ def _with_states_split(table: Record, asked: Asked) -> Record:
         if is_named_x and are_rows and not is_velocity(times, *rows):
             continue
         others = {column: values for column, values in table.items() if column != name}
+        x, v = rows
         if asked.get("v", "") is None:
-            return others | {"x": rows[0]}
-        return others | {"x": rows[0], "v": rows[1]}
+            return others | {"x": x}
+        return others | {"x": x, "v": v}
     return table
 
 
@@ -261,13 +264,14 @@ def _of_matrices(values: Record, are_padded: bool, where: str) -> list[Samples]:
     """Return the solutions in columns that are matrices: one solution per row, or per column."""
     arrays = {name: np.asarray(value) for name, value in values.items()}
     times = arrays["t"]
-    if all(array.size == max(array.shape, default=0) for array in arrays.values()):
-        # one row or column each
+    are_lines = all(array.size == max(array.shape, default=0) for array in arrays.values())
+    if are_lines:  # one row or column each
         return [_solution({name: array.ravel() for name, array in arrays.items()}, are_padded)]
     count = times.shape[-1] if times.ndim else 0
     shapes = {name: array.shape for name, array in arrays.items()}
     # One solution per column becomes one per row.
-    if times.ndim == 1 and arrays["x"].shape[-1] != count and arrays["x"].shape[0] == count:
+    shape_of_x = arrays["x"].shape
+    if times.ndim == 1 and shape_of_x[-1] != count and shape_of_x[0] == count:
         arrays = {name: array.T for name, array in arrays.items()}
     # All must have one shape, but for times that all solutions share.
     different = {array.shape for name, array in arrays.items() if name != "t" or array.ndim > 1}

@@ -101,27 +101,26 @@ def read_table(file: IO[bytes], choose: Choose, where: str) -> TextTable:
     it. A table without header has the numbers of its columns for names.
     """
     lines = _lines(file, where)
-    head = list(islice(lines, HEAD_LINES))
+    head = list(islice(lines, HEAD_LINES))  # enough lines to find the header in
     if not head:
         what = "is empty; its first line must name the columns, such as t,x,v"
         raise ParameterError("file", where, what)
     data = [i for i, line in enumerate(head) if line.has_data]
     comments = head[: data[0]] if data else head
-    # The second line, which comes first here, shows the delimiter better than a header.
-    telling = [head[i].text for i in data[1::-1]] or [comments[-1].text]
+    # The second line with data, tried first, shows the delimiter better than a header.
+    telling = [head[i].text for i in data[:2]][::-1] or [comments[-1].text]
     delimiter = next((sign for sign in map(_delimiter, telling) if sign), None)
-    first = _split_cells(head[data[0]].text, delimiter) if data else []
-    numbered = [str(i) for i in range(1, len(first) + 1)]
-    in_comments = _headers_in(comments, delimiter, len(first))
+    first_row = _split_cells(head[data[0]].text, delimiter) if data else []
+    in_comments = _headers_in(comments, delimiter, len(first_row))
     # A row with words may also be data, below a header that is a comment.
-    if _are_numbers(first, delimiter):
-        own = numbered
+    if _are_numbers(first_row, delimiter):
+        own = [str(i) for i in range(1, len(first_row) + 1)]
         headers = [*in_comments, own]
     else:
-        own = first
+        own = first_row
         headers = [own, *in_comments]
     names, columns = _choose_header(headers, own, choose, where)
-    has_header_row = names is first
+    has_header_row = names is first_row
     begin = len(comments) + has_header_row
     rows = _rows(chain(head[begin:], lines), delimiter, len(names), where)
     return TextTable(delimiter, columns, rows)
