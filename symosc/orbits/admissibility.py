@@ -40,6 +40,8 @@ from symosc.simulation.simulate import simulate
 # a margin below this part of the terms that it is a difference of is decided in more digits
 MARGINAL = 1e-9
 FINE_DIGITS = 50
+# a margin below this part of its terms is 0 with FINE_DIGITS
+NOTHING_IN_DIGITS = 1e-25
 # Digits with which the engine follows an orbit whose margins are small.
 ENGINE_DIGITS = (30, 60)
 SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
@@ -134,24 +136,49 @@ def conditions(equations: ClosingEquations, points: Points) -> list[Condition]:
     for i, span in enumerate(equations.spans(points)):
         following = equations.pieces[(i + 1) % len(points)]
         if span.piece.sticks:
-            rows = _stick(equations, span, sizes)
+            margins = _stick(equations, span, sizes)
         else:
-            rows = _flight(equations, span, following, sizes)
-        for text, value, theta, event, rank, size in rows:
-            all_conditions.append(
-                Condition(i, text, float(value), float(theta / equations.K.Om), event, rank, size)
+            margins = _flight(equations, span, following, sizes)
+        for margin in margins:
+            condition = Condition(
+                i,
+                margin.text,
+                float(margin.value),
+                float(margin.theta / equations.K.Om),
+                margin.event,
+                margin.rank,
+                margin.scale,
             )
+            all_conditions.append(condition)
     return all_conditions
 
 
-#: What `Condition` holds of a margin: text, value, phase at which it is closest to 0, event, rank,
-#: scale.
-MarginRow = tuple[str, Number, Number, str, int, float]
+class Margin(NamedTuple):
+    """What a `Condition` says, in the arithmetic of the equations: `theta` is the phase at which
+    the margin is closest to 0.
+    """
+
+    text: str
+    value: Number
+    theta: Number
+    event: str
+    rank: int
+    scale: float
+
+
+class Extreme(NamedTuple):
+    """A margin where it is extremal in a piece, the phase there, and `place`, the belt of a gap or
+    the domain of a force.
+    """
+
+    margin: Number
+    theta: Number
+    place: int
 
 
 def _flight(
     equations: ClosingEquations, span: Span, following: OrbitPiece, sizes: Scales
-) -> Iterator[MarginRow]:
+) -> Iterator[Margin]:
     """Yield the inequalities of the flight `span` before the piece `following`.
 
     `sizes` go into `Condition.scale`.
@@ -159,21 +186,16 @@ def _flight(
     side = span.piece.side
     K = equations.K
     (piece, start, end, tau) = span
+    end_x, end_theta = end
     v_end = equations.belt(piece.end).v
     short = float(min(1, abs(tau) * K.rate))
     if side > 0:
         sign, opposite = "><"
     else:
         sign, opposite = "<>"
-    yield (
-        f"{piece.label} has positive duration",
-        tau,
-        end[1],
-        FLIGHT_VANISHING,
-        FLIGHT_LASTS,
-        sizes.t,
-    )
-    arrival = side * equations.force(piece.mode, end[0], v_end, end[1])
+    text = f"{piece.label} has positive duration"
+    yield Margin(text, tau, end_theta, FLIGHT_VANISHING, FLIGHT_LASTS, sizes.t)
+    arrival = side * equations.force(piece.mode, end_x, v_end, end_theta)
     rank = ARRIVAL
     size = sizes.a
     # At the end of a short slip the force is lost in rounding, its change since the start is not.
@@ -182,69 +204,57 @@ def _flight(
         arrival = side * state_at(tau, equations.start_of_flight(piece, start), K).F
         rank = STAYS_INSIDE
         size = sizes.a * short
-    yield (
-        f"{piece.label} meets v{piece.end} with F^({piece.mode}) {sign} 0",
-        arrival,
-        end[1],
-        GRAZING,
-        rank,
-        size,
-    )
-    gap, nearest, _ = min(clearances(equations, span), default=(inf, end[1], 0))
-    yield (
-        f"{piece.label} stays in Omega{piece.mode}",
-        gap,
-        nearest,
-        GRAZING,
-        STAYS_INSIDE,
-        sizes.v * short,
-    )
+    text = f"{piece.label} meets v{piece.end} with F^({piece.mode}) {sign} 0"
+    yield Margin(text, arrival, end_theta, GRAZING, rank, size)
+    nearest = min(clearances(equations, span), default=Extreme(inf, end_theta, 0))
+    text = f"{piece.label} stays in Omega{piece.mode}"
+    size = sizes.v * short
+    yield Margin(text, nearest.margin, nearest.theta, GRAZING, STAYS_INSIDE, size)
     far = piece.mode + side
-    beyond = side * equations.force(far, end[0], v_end, end[1])
+    beyond = side * equations.force(far, end_x, v_end, end_theta)
     if following.sticks:
         text = f"F^({far}) {opposite} 0 at the onset of {following.label} (Theorem 4)"
-        yield text, -beyond, end[1], SLIP_BIRTH, HOLD, sizes.a
+        yield Margin(text, -beyond, end_theta, SLIP_BIRTH, HOLD, sizes.a)
     else:
         text = f"F^({far}) {sign} 0 where {piece.label} crosses v{piece.end} (Theorem 5)"
-        yield text, beyond, end[1], BIRTH, PASSING, sizes.a
+        yield Margin(text, beyond, end_theta, BIRTH, PASSING, sizes.a)
 
 
-def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[MarginRow]:
+def _stick(equations: ClosingEquations, span: Span, sizes: Scales) -> Iterator[Margin]:
     """Yield the inequalities of the stick `span`, with their margins.
 
     `sizes` go into `Condition.scale`.
     """
     belt = equations.belt(span.piece.start)
     K = equations.K
-    (piece, _, end, tau) = span
+    (piece, _, (_, end_theta), tau) = span
     low = piece.start
     high = piece.start + 1
-    yield f"{piece.label} has positive duration", tau, end[1], VANISHING, STICK_LASTS, sizes.t
-    hold, nearest, _ = min(holding_forces(equations, span), default=(inf, end[1], 0))
-    yield (
-        f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)",
-        hold,
-        nearest,
-        SLIP_BIRTH,
-        HOLD,
-        sizes.a,
-    )
-    slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
+    text = f"{piece.label} has positive duration"
+    yield Margin(text, tau, end_theta, VANISHING, STICK_LASTS, sizes.t)
+    weakest = min(holding_forces(equations, span), default=Extreme(inf, end_theta, 0))
+    text = f"F^({low}) > 0 > F^({high}) during {piece.label} (Theorem 4)"
+    yield Margin(text, weakest.margin, weakest.theta, SLIP_BIRTH, HOLD, sizes.a)
+    slope = piece.side * (belt.drift - K.fB * equations.sin(end_theta))
     if piece.side < 0:
         change = f"F^({low}) falls"
     else:
         change = f"F^({high}) rises"
     size = float(abs(belt.drift) + abs(K.fB))
-    yield f"{change} where {piece.label} ends", slope, end[1], SLIP_VANISHING, STICK_END, size
+    text = f"{change} where {piece.label} ends"
+    yield Margin(text, slope, end_theta, SLIP_VANISHING, STICK_END, size)
 
 
-def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield (gap, phase, belt) at each minimum of v in a flight above a belt, and at each maximum
-    below a belt.
+def clearances(equations: ClosingEquations, span: Span) -> Iterator[Extreme]:
+    """Yield the gap to a belt at each minimum of v in a flight above the belt, and at each maximum
+    below it.
     """
     piece, start, _, tau = span
+    if not tau > 0:
+        return
+    _, start_theta = start
     flight = equations.start_of_flight(piece, start)
-    for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations) if tau > 0 else ():
+    for extremum in extrema(0 * tau, tau, flight, piece.after_stick, equations):
         # a minimum is turned to the belt below
         if extremum.b > 0:
             belt = piece.mode - 1
@@ -256,26 +266,30 @@ def clearances(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number
                 clearance = extremum.v - v
             else:
                 clearance = v - extremum.v
-            yield clearance, start[1] + equations.K.Om * extremum.tau, belt
+            yield Extreme(clearance, start_theta + equations.K.Om * extremum.tau, belt)
 
 
-def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[tuple[Number, Number, int]]:
-    """Yield (margin, phase, domain) where both forces are extremal in a stick: F^(below) or
-    -F^(above), the smaller.
+def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[Extreme]:
+    """Yield the smaller one of F^(below) and -F^(above) where both forces are extremal in a
+    stick.
     """
-    (piece, start, _, tau) = span
+    (piece, (start_x, start_theta), _, tau) = span
     K = equations.K
     names = equations.arithmetic.namespace
     belt = equations.belt(piece.start)
-    s0 = equations.sin(start[1])
-    c0 = equations.cos(start[1])
-    below = equations.force(piece.start, start[0], belt.v, start[1])
-    for angle in (belt.angle, names["PI"] - belt.angle) if belt.turns else ():
-        elapsed = (angle - start[1]) % names["TWO_PI"] / K.Om
+    if not belt.turns:  # the forces only rise or only fall
+        return
+    s0 = equations.sin(start_theta)
+    c0 = equations.cos(start_theta)
+    below_at_start = equations.force(piece.start, start_x, belt.v, start_theta)
+    for angle in (belt.angle, names["PI"] - belt.angle):
+        elapsed = (angle - start_theta) % names["TWO_PI"] / K.Om
         while 0 < elapsed < tau:
-            now = below + names["force_gain"](elapsed, s0, c0, belt, K)[0]
-            hold, domain = min((now, piece.start), (belt.J - now, piece.start + 1))
-            yield hold, start[1] + K.Om * elapsed, domain
+            gain, *_ = names["force_gain"](elapsed, s0, c0, belt, K)
+            below = below_at_start + gain
+            # -F^(above) is the jump less F^(below).
+            hold, domain = min((below, piece.start), (belt.J - below, piece.start + 1))
+            yield Extreme(hold, start_theta + K.Om * elapsed, domain)
             elapsed += K.period
 
 
@@ -309,18 +323,18 @@ def _extremum(
     """Find the minimum or `maximum` of v between the times `low` and `high` of a flight by
     bracketed Newton steps.
     """
-    states = equations.arithmetic.namespace["state_at"]
+    state_at = equations.arithmetic.namespace["state_at"]
     K = equations.K
     number = equations.number
-    # to which an extremum is known, as a part of its time
+    # How well an extremum is to be known, as a part of its time.
     allowed = 64.0 * equations.arithmetic.namespace["EPS"]
     low = number(low)
     high = number(high)
     tau = (low + high) / 2
     for _ in range(100):
-        now = states(tau, flight, K)
-        a = now.F
-        b = now.G1
+        state = state_at(tau, flight, K)
+        a = state.F
+        b = state.G1
         if a == 0:
             break
         if (a > 0) == maximum:
@@ -337,7 +351,7 @@ def _extremum(
         if abs(tau - before) <= allowed * high or tau in (low, high):
             tau = before
             break
-    return Extremum(tau, flight.v + now.dv, b)
+    return Extremum(tau, flight.v + state.dv, b)
 
 
 def grazing_distance(equations: ClosingEquations, points: Points) -> float:
@@ -352,10 +366,10 @@ def grazing_distance(equations: ClosingEquations, points: Points) -> float:
     distances = [c.value for c in conditions(equations, points) if "stays in" in c.text]
     for piece, start, _, tau in equations.spans(points):
         if not piece.sticks:
-            past = extrema(
-                tau, tau + K.period, equations.start_of_flight(piece, start), False, equations
-            )
-            distances += [abs(state.v - equations.belt(piece.end).v) for state in past[:1]]
+            flight = equations.start_of_flight(piece, start)
+            past_end = extrema(tau, tau + K.period, flight, False, equations)
+            if past_end:
+                distances.append(abs(past_end[0].v - equations.belt(piece.end).v))
     return float(min(distances, default=inf))
 
 
@@ -390,11 +404,12 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
         root = polish(fine, points)
     if not root.converged:
         return _failures_of_multiple_root(equations, fine, points, root.points, tested)
-    decided = conditions(fine, root.points)
-    # So small a margin is 0 even there.
-    failed = failing(
-        [c._replace(value=0.0) if abs(c.value) < 1e-25 * c.scale else c for c in decided]
-    )
+    decided = list[Condition]()
+    for condition in conditions(fine, root.points):
+        if abs(condition.value) < NOTHING_IN_DIGITS * condition.scale:
+            condition = condition._replace(value=0.0)
+        decided.append(condition)
+    failed = failing(decided)
     if failed:
         return failed
     contradictions = []
@@ -417,13 +432,11 @@ def _failures_of_multiple_root(
     digits does not converge: it ended at `last`, and doubles say `tested`.
     """
     # The pieces whose duration tends to 0 in Newton's method, at a multiple root.
-    was = equations.spans(points)
-    now = fine.spans(last)
-    gone = {
-        i
-        for i in range(len(was))
-        if abs(fine.K.Om * now[i].tau) < 1e-2 * abs(equations.K.Om * was[i].tau)
-    }
+    gone = set[int]()
+    spans = zip(equations.spans(points), fine.spans(last), strict=True)
+    for i, (before, after) in enumerate(spans):
+        if abs(fine.K.Om * after.tau) < 1e-2 * abs(equations.K.Om * before.tau):
+            gone.add(i)
     lasts = [c for c in tested if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
     if lasts:
         return [c._replace(value=0.0) for c in lasts]
@@ -450,46 +463,32 @@ def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
     than `MARGINAL`.
     """
     sizes = scales(equations, points)
-    rows = []
+    # The sizes of the terms of f1 and f2 of each piece, by which rounding errors are measured.
+    term_sizes = []
     x_size = max(abs(float(x)) for x, _ in points)
-    for piece, duration in zip(
-        equations.pieces, equations.durations(np.asarray(points)), strict=True
-    ):
-        rows += [x_size, sizes.a if piece.sticks else sizes.v]
+    durations = equations.durations(np.asarray(points))
+    for piece, duration in zip(equations.pieces, durations, strict=True):
+        size_2 = sizes.a if piece.sticks else sizes.v
         if piece.zeros:  # f2 is divided by the duration to this power (`residuals`)
-            rows[-1] *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration))
+            size_2 *= (abs(duration) / equations.K.Om) ** -piece.zeros * min(1.0, abs(duration))
+        term_sizes += [x_size, size_2]
     try:
-        moved = linear.inverse(equations.matrix(points))[1::2]  # the rows of the phases
+        phase_rows = linear.inverse(equations.matrix(points))[1::2]
     except ZeroDivisionError:
         return True
-    return bool(linear.product(np.abs(moved), np.array(rows)).max() * EPS > MARGINAL)
+    moved = linear.product(np.abs(phase_rows), np.array(term_sizes))
+    return bool(moved.max() * EPS > MARGINAL)
 
 
 def engine_contradiction(
     equations: ClosingEquations, points: Points, digits: int | None = None
 ) -> Condition | None:
-    """Simulate a root's motion over its period.
-
-    Return a failed condition on the first piece that differs, or None.
+    """Simulate a root's motion over its period, and return a failed condition on the first piece
+    that differs, or None.
     """
-    # It starts at the end of a flight where the forces on both sides of the belt are farthest from
-    # 0.
     pieces = equations.pieces
-    number = equations.number
     K = equations.K
-    p = equations.parameters
-
-    def least_force(i: int) -> float:
-        (x, theta) = points[i]
-        v = equations.belt(pieces[i].start).v
-        return min(
-            abs(float(equations.force(domain, x, v, theta)))
-            for domain in NEIGHBOURS[pieces[i].start]
-        )
-
-    first = max(
-        (i for i in range(len(pieces)) if not pieces[i - 1].sticks), key=least_force, default=0
-    )
+    first = _surest_start(equations, points)
     # How far the engine's events may be from the orbit's, as a part of a period and of the size of
     # the positions. A start that is rounded to doubles moves an arrival with a margin of MARGINAL
     # by 1e-7.
@@ -497,38 +496,39 @@ def engine_contradiction(
         allowed = 1e-6
     else:
         allowed = 1e-12
-    (x, theta) = points[first]
-    t0 = number(theta) / K.Om
+    exact_points = [(equations.number(x), equations.number(theta)) for x, theta in points]
+    x0, theta0 = exact_points[first]
+    t0 = theta0 / K.Om
     t_end = t0 + equations.turn / K.Om * (1 + allowed)
-    v0 = p.belt(pieces[first].start)
-    most = len(pieces) + 1
+    v0 = equations.parameters.belt(pieces[first].start)
     events = simulate(
-        p, t0=t0, x0=number(x), v0=v0, t_end=t_end, max_events=most, digits=digits
+        equations.parameters,
+        t0=t0,
+        x0=x0,
+        v0=v0,
+        t_end=t_end,
+        max_events=len(pieces) + 1,
+        digits=digits,
     ).events
-    size = max(abs(float(x)) for x, _ in points) + float(K.period) * max(
-        abs(float(K.belt1.v)), abs(float(K.belt2.v))
-    )
+    fastest = max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
+    size = max(abs(float(x)) for x, _ in points) + float(K.period) * fastest
     # Each event must be the one that begins the next piece, at its time and place.
     for j in range(1, len(pieces) + 1):
         i = (first + j) % len(pieces)
         piece = pieces[i]
-        (x, theta) = points[i]
-        due = (number(theta) + (equations.turn if first + j >= len(pieces) else 0)) / K.Om
-        if j <= len(events):
-            event = events[j - 1]
-        else:
-            event = None
-        if event is None:
+        x, theta = exact_points[i]
+        due = (theta + (equations.turn if first + j >= len(pieces) else 0)) / K.Om
+        if j > len(events):
             late = inf
-        else:
-            late = abs(event.t - due)
-        same = event is not None and (event.boundary, event.target) == (
-            piece.start,
-            MODE_NAMES[piece.mode],
-        )
-        if event is None or not same or event.kind == "graze" or late > allowed * K.period:
+            when = float(due)
             break
-        if abs(event.x - number(x)) > allowed * max(size, 1e-300):
+        event = events[j - 1]
+        late = abs(event.t - due)
+        when = float(event.t)
+        is_same = (event.boundary, event.target) == (piece.start, MODE_NAMES[piece.mode])
+        if not is_same or event.kind == "graze" or late > allowed * K.period:
+            break
+        if abs(event.x - x) > allowed * max(size, 1e-300):
             break
     else:
         return None
@@ -538,6 +538,23 @@ def engine_contradiction(
     else:
         kind = GRAZING
     text = f"{ending.label} ends where it first can"
-    when = float(due if event is None else event.t)
     value = -min(late, float(equations.turn / K.Om))
     return Condition((i - 1) % len(pieces), text, value, when, kind, ENGINE, 2 * pi)
+
+
+def _surest_start(equations: ClosingEquations, points: Points) -> int:
+    """Return the number of the piece at whose start, the end of a flight, the forces on both sides
+    of the belt are farthest from 0.
+    """
+    pieces = equations.pieces
+
+    def least_force(i: int) -> float:
+        """Return the smaller |F| of both sides where piece i starts."""
+        (x, theta) = points[i]
+        belt = pieces[i].start
+        v = equations.belt(belt).v
+        forces = (equations.force(domain, x, v, theta) for domain in NEIGHBOURS[belt])
+        return min(abs(float(force)) for force in forces)
+
+    after_flights = (i for i in range(len(pieces)) if not pieces[i - 1].sticks)
+    return max(after_flights, key=least_force, default=0)

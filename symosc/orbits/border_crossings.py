@@ -96,10 +96,12 @@ def crossed_borders(
             continue
         system = BorderSystem(plane, orbit, [zero])
         z = np.array([*np.ravel(points), *phases, *place]) / system.scale
-        # The node is looked for on the line: in the hyperplane whose normal is normal to the line.
+        # The node is looked for on the line: in the hyperplane whose normal is normal to the line
+        # (the two parameters are the last unknowns).
         normal = np.zeros(len(system.scale))
         along = direction / plane.widths
-        normal[-2:] = np.array([-along[1], along[0]]) / linear.norm(along)
+        along_x, along_y = along
+        normal[-2:] = np.array([-along_y, along_x]) / linear.norm(along)
         first = system.node(z, normal)
         if first is None:
             continue

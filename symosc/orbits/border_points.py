@@ -92,12 +92,12 @@ class SpecialPoint(NamedTuple):
     error: float
 
 
-def between(a: Node, b: Node, part: float) -> np.ndarray:
-    """Return the point at the fraction `part` of the way from a to b, on the cubic through both
+def between(a: Node, b: Node, fraction: float) -> np.ndarray:
+    """Return the point at this `fraction` of the way from a to b, on the cubic through both
     with their tangents (Hermite's).
     """
     length = linear.norm(b.z - a.z)
-    r = part
+    r = fraction
     weight_of_a = (1 - r) ** 2 * (1 + 2 * r)
     weight_of_b = r * r * (3 - 2 * r)
     slope = length * (r * (1 - r) ** 2 * a.tangent - r * r * (1 - r) * b.tangent)
@@ -117,7 +117,8 @@ def motion_at(parameters: Parameters, *near: Orbit) -> Orbit | None:
         solution = solve(equations, orbit.points)
         if solution.converged and not failures(equations, solution.points):
             return orbit._replace(points=solution.points)
-        size = float(np.abs(orbit.points[:, 0]).max())
+        positions, _ = orbit.points.T
+        size = float(np.abs(positions).max())
         for piece, (x, theta) in zip(equations.pieces, orbit.points.tolist(), strict=True):
             settled, _ = settling(equations, x, theta % (2 * pi), piece.start, size)
             if settled is not None:
@@ -152,19 +153,18 @@ def fold_between(
     if near is None:
         return None
     z, here = near
-    polished = _polished_fold(system, z, j)
-    if polished is None:
+    fold = _polished_fold(system, z, j)
+    if fold is None:
         return None
-    z, tangent, change = polished
-    values = system.values(z)
-    tangent = tangent * float(np.sign(linear.dot(tangent, here.tangent)))
-    error = max(abs(change), *(2 * EPS * abs(value) for value in values))
-    if here.tangent[-2 + j] > 0:
+    values = system.values(fold.z)
+    tangent = fold.tangent * float(np.sign(linear.dot(fold.tangent, here.tangent)))
+    error = max(abs(fold.change), *(2 * EPS * abs(value) for value in values))
+    if here.slope(j) > 0:
         extreme = "largest"
     else:
         extreme = "smallest"
     message = f"{system.plane.names[j]} is {extreme} along the border"
-    return Node(z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
+    return Node(fold.z, tangent, np.full(2, error)), SpecialPoint(FOLD, values, message, error)
 
 
 def _near_fold(
@@ -173,48 +173,58 @@ def _near_fold(
     """Return a point close to the fold between two nodes, in doubles, and the node before it."""
     z = here.z
     for _ in range(FOLD_HALVINGS):
-        # where the slope of parameter j would be 0 if it were linear between the nodes
-        part = here.tangent[-2 + j] / (here.tangent[-2 + j] - node.tangent[-2 + j])
-        middle = system.node(between(here, node, float(part)), here.tangent)
+        # Where the slope of parameter j would be 0 if it were linear between the nodes.
+        fraction = here.slope(j) / (here.slope(j) - node.slope(j))
+        middle = system.node(between(here, node, float(fraction)), here.tangent)
         if middle is None:
             return None
         z = middle.z
-        if middle.tangent[-2 + j] * here.tangent[-2 + j] > 0:
+        if middle.slope(j) * here.slope(j) > 0:
             here = middle
         else:
             node = middle
     return z, here
 
 
-def _polished_fold(
-    system: BorderSystem, z: np.ndarray, j: int
-) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """Return the fold near `z`, the tangent there, and the last change of the other parameter.
+class PolishedFold(NamedTuple):
+    """A fold in scaled unknowns, the tangent there, and the last change of the parameter that was
+    varied to find it.
+    """
+
+    z: np.ndarray
+    tangent: np.ndarray
+    change: float
+
+
+def _polished_fold(system: BorderSystem, z: np.ndarray, j: int) -> PolishedFold | None:
+    """Return the fold near `z`, or None.
 
     The secant method varies the other parameter until the slope of parameter j is 0.
     """
-    varied = 1 - j
-    index = len(z) - 1 - j  # of the unknown `varied`: the two parameters are the last unknowns
-    value = float(z[-2 + varied] * system.scale[-2 + varied])
+    # The two parameters are the last unknowns.
+    fold_index = len(z) - 2 + j
+    varied_index = len(z) - 1 - j
+    value = float(z[varied_index] * system.scale[varied_index])
     tried: list[tuple[float, float]] = []  # value of the varied parameter, slope there
     for _ in range(FOLD_STEPS):
-        u = system.polish(z, (index, Fraction(value)))
+        u = system.polish(z, (varied_index, Fraction(value)))
         if u is None:
             return None
         tangent = system.fine_tangent(u)
-        tried.append((value, float(tangent[-2 + j] / tangent[-2 + varied])))
+        slope = float(tangent[fold_index] / tangent[varied_index])
+        tried.append((value, slope))
         z = np.array([float(number) for number in u]) / system.scale
         if len(tried) == 1:
-            change = 1e-9 * float(system.scale[-2 + varied])
-        elif tried[-1][1] == tried[-2][1]:
-            break
+            change = 1e-9 * float(system.scale[varied_index])
         else:
-            (a, f), (b, g) = tried[-2:]
-            change = -g * (b - a) / (g - f)
+            value_before, slope_before = tried[-2]
+            if slope == slope_before:
+                break
+            change = -slope * (value - value_before) / (slope - slope_before)
         if abs(change) <= 4 * EPS * abs(value):
             break
         value += change
-    return z, tangent, change
+    return PolishedFold(z, tangent, change)
 
 
 # -- points of codimension two ---------------------------------------------------------------------
@@ -234,6 +244,7 @@ def end_between(system: BorderSystem, good: Node, bad: Node) -> tuple[Node, Spec
         message = _failure_text(condition)
         if not is_closed_form:
             message += "; the point could not be refined"
+        # How far the two nodes are apart in the parameters, the last two unknowns.
         length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
         kind, sliding = names_of(system)
         point = SpecialPoint(sliding or kind, values, message, length)
@@ -261,6 +272,7 @@ def _bisected(system: BorderSystem, good: Node, bad: Node) -> tuple[Node, Node, 
 
 
 def _failure_text(condition: Condition | None) -> str:
+    """Return in words which condition fails."""
     if condition is None:
         return "a condition fails"
     return f"the condition '{condition.text}' fails"
@@ -413,15 +425,10 @@ def _paired(vanishing: Sequence[Vanishing], half: int) -> list[Candidate]:
         same_kind = first.zero.kind == second.zero.kind
         if same_kind and second.zero.piece - first.zero.piece == half:  # mirror images
             continue
-        margins = (scaled_margin(first.condition), scaled_margin(second.condition))
-        candidates.append(
-            Candidate(
-                max(map(abs, margins)),
-                (first.zero, second.zero),
-                first.phases + second.phases,
-                (first.condition.text, second.condition.text),
-            )
-        )
+        rank = max(abs(scaled_margin(first.condition)), abs(scaled_margin(second.condition)))
+        zeros = (first.zero, second.zero)
+        texts = (first.condition.text, second.condition.text)
+        candidates.append(Candidate(rank, zeros, first.phases + second.phases, texts))
     return candidates
 
 
@@ -457,7 +464,7 @@ def _equations_of(
 def _kind(system: BorderSystem, candidate: Candidate) -> str:
     """Return the names of the borders that meet at a point, as in the literature."""
     names = [names_of(system, zero) for zero in candidate.zeros[: len(candidate.texts)]]
-    kind = " and ".join(sorted(sliding or what for what, sliding in names))
+    kind = " and ".join(sorted(sliding or end_kind for end_kind, sliding in names))
     is_simple = len(candidate.texts) == 2 or candidate.zeros[0].kind == border_system.AT_ARRIVAL
     if is_simple:
         return kind

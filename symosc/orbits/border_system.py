@@ -49,7 +49,14 @@ from symosc.kernels._generated import motion, next_derivative
 from symosc.kernels.entire import EPS
 from symosc.model import OtherNumbers, Parameters, by_name
 from symosc.orbits import admissibility
-from symosc.orbits.admissibility import Condition, clearances, conditions, holding_forces, scales
+from symosc.orbits.admissibility import (
+    Condition,
+    Extreme,
+    clearances,
+    conditions,
+    holding_forces,
+    scales,
+)
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
 
 AT_FAR = "far"
@@ -59,6 +66,8 @@ AT_HOLD = "hold"
 AT_TOUCH = "touch"
 AT_BEND = "bend"
 TIMED = (AT_HOLD, AT_TOUCH)  # zeros at a phase that is an unknown
+MOST_NEWTON = 12
+MOST_POLISHING = 30
 DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
 FINE_DIGITS = 50
 NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
@@ -123,6 +132,39 @@ class Node(NamedTuple):
     tangent: np.ndarray
     errors: np.ndarray
 
+    def slope(self, j: int) -> float:
+        """Return how fast parameter j (0 or 1) changes along the border here: the parameters are
+        the last two unknowns.
+        """
+        return self.tangent[-2 + j]
+
+
+class Evaluated(NamedTuple):
+    """Unknowns of a border in words: the closing equations at its parameters, the switching points
+    and the phases of extrema.
+    """
+
+    equations: ClosingEquations
+    points: Points
+    phases: Unknowns
+
+
+class Corrected(NamedTuple):
+    """A root by Newton's method, the inverse Jacobian, and the estimated error of the root, all in
+    scaled unknowns.
+    """
+
+    z: np.ndarray
+    inverse: np.ndarray
+    error: float
+
+
+class LocatedZero(NamedTuple):
+    """A zero, and the phase of its extremum in a list, which is empty if it has none."""
+
+    zero: Zero
+    phases: list[float]
+
 
 # Stretches below this part of the largest one are rounding.
 NO_STRETCH = 1e-15
@@ -164,28 +206,27 @@ class BorderSystem:
             zero.piece for zero in self.zeros if zero.kind == AT_FAR
         )
         self.symmetric_pieces = self.pieces
-        size = max(np.ptp(points[:, 0]), 0.1 * np.abs(points[:, 0]).max())
+        x, _ = points.T
+        size = max(np.ptp(x), 0.1 * np.abs(x).max())
         weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
         self.scale = np.array(
             [*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths]
         )
 
     def _unaccelerated_after(self, crossings: Iterable[int]) -> tuple[OrbitPiece, ...]:
-        """Return the word's pieces.
-
-        A flight after a piece whose index is in `crossings` starts with acceleration 0.
+        """Return the word's pieces, where a flight after a piece whose index is in `crossings`
+        starts with acceleration 0, as it does after a stick.
         """
         pieces = list(self.pieces)
         for i in crossings:
-            j = (i + 1) % self.n
-            pieces[j] = replace(pieces[j], after_stick=not pieces[j].sticks)
+            following = (i + 1) % self.n
+            piece = pieces[following]
+            pieces[following] = replace(piece, after_stick=not piece.sticks)
         return tuple(pieces)
 
     # -- the equations -----------------------------------------------------------------------------
 
-    def at(
-        self, u: Unknowns, digits: int | None = None
-    ) -> tuple[ClosingEquations, Points, Unknowns]:
+    def at(self, u: Unknowns, digits: int | None = None) -> Evaluated:
         """Return the closing equations, the switching points and the phases of extrema for the
         unknowns u.
         """
@@ -200,7 +241,7 @@ class BorderSystem:
             arithmetic = QuickArithmetic(values)
         equations = ClosingEquations(values, self.word, self.periods, digits, arithmetic)
         equations.pieces = self.pieces
-        return equations, *self._split(u)
+        return Evaluated(equations, *self._split(u))
 
     def _split(self, u: Unknowns) -> tuple[Points, Unknowns]:
         """Return the switching points and the phases of extrema that the unknowns u contain."""
@@ -231,17 +272,17 @@ class BorderSystem:
             if zero.kind in TIMED:
                 theta = phases_left.pop(0)
             else:  # a bend belongs to the extremum of another zero, in the same piece
-                of_piece = (
-                    phases[i] for i, timed in enumerate(self.timed) if timed.piece == zero.piece
-                )
-                theta = next(of_piece, None)
+                phase_of = {
+                    timed.piece: phase
+                    for timed, phase in reversed(list(zip(self.timed, phases, strict=True)))
+                }
+                theta = phase_of.get(zero.piece)
             values += zero_values(equations, points, zero, theta)
         return values
 
     def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residuals at u and their Jacobian in doubles.
-
-        Finite differences give the parameters' columns.
+        """Return the residuals at u and their Jacobian in doubles, the rows of zeros and the columns
+        of the parameters by finite differences.
         """
         equations, points, phases = self.at(u)
         n = 2 * self.n
@@ -251,15 +292,13 @@ class BorderSystem:
         matrix[:n, :n] = equations.matrix(points)
         # A zero depends on start and end of its piece, each with x and theta: four unknowns.
         touched = {(2 * zero.piece + j) % n for zero in self.zeros for j in range(4)}
+
+        def zeros(unknowns: Unknowns) -> list[Number]:
+            return self._zeros(equations, *self._split(unknowns))
+
         for j in (*touched, *range(n, size - 2)):
             step = DIFFERENCE * self.scale[j] / POINTS_WEIGHT
-            matrix[n:, j] = _slope(
-                lambda unknowns: self._zeros(equations, *self._split(unknowns)),
-                u,
-                values[n:],
-                j,
-                step,
-            )
+            matrix[n:, j] = _slope(zeros, u, values[n:], j, step)
         for j in (-2, -1):
             matrix[:, j] = _slope(self.residuals, u, values, j, DIFFERENCE * self.scale[j])
         return values, matrix
@@ -288,23 +327,19 @@ class BorderSystem:
 
     # -- Newton's method ---------------------------------------------------------------------------
 
-    def correct(
-        self, z: np.ndarray, row: np.ndarray | None
-    ) -> tuple[np.ndarray, np.ndarray, float] | None:
-        """Solve the equations by Newton's method from z.
-
-        Return root, inverse Jacobian and error, or None.
+    def correct(self, z: np.ndarray, row: np.ndarray | None) -> Corrected | None:
+        """Solve the equations by Newton's method from z; None if that fails.
 
         `row` is the normal of a hyperplane through z that contains the root; None if the equations
-        alone fix it. Root and error are in scaled unknowns.
+        alone fix it.
         """
         start = z
         inverse = None
         before = inf
         with suppress(ZeroDivisionError, OverflowError, ValueError):
-            for _ in range(12):
+            for _ in range(MOST_NEWTON):
                 u = (z * self.scale).tolist()
-                if inverse is None:
+                if inverse is None:  # at the start, and where the last one converged slowly
                     values, matrix = self._linearised(u)
                     matrix *= self.scale
                     if row is not None:
@@ -315,18 +350,17 @@ class BorderSystem:
                         inverse = linear.pseudo_inverse(matrix, NO_STRETCH)
                 else:
                     values = np.array(self.residuals(u))
-                step = linear.product(
-                    inverse,
-                    values if row is None else np.append(values, linear.dot(row, z - start)),
-                )
+                if row is not None:
+                    values = np.append(values, linear.dot(row, z - start))
+                step = linear.product(inverse, values)
                 size = float(np.abs(step).max())
                 if not size < 1:  # nan too
                     return None
                 z = z - step
-                if size < 1e-12 or (
-                    size < 1e-6 and size > before / 4
-                ):  # the next correction is rounding
-                    return z, inverse, size * (10.0 * size / before + DIFFERENCE)
+                is_rounding = size < 1e-6 and size > before / 4
+                if size < 1e-12 or is_rounding:
+                    # The next correction is smaller by the last ratio, or by the Jacobian's error.
+                    return Corrected(z, inverse, size * (10.0 * size / before + DIFFERENCE))
                 if size > before / 16:
                     inverse = None
                 before = size
@@ -340,40 +374,43 @@ class BorderSystem:
         `fixed` is the index of an unknown and the exact value that it keeps, for a system whose
         roots form a curve.
         """
-        corrected = self.correct(z, None if fixed is None else np.eye(len(z))[fixed[0]])
+        if fixed is None:
+            row = None
+        else:
+            index, exact_value = fixed
+            row = np.eye(len(z))[index]
+        corrected = self.correct(z, row)
         if corrected is None:
             return None
-        root, inverse, _ = corrected
+        inverse = corrected.inverse
         # Entries of the inverse as large as this show a point that is not isolated.
-        if not np.isfinite(inverse).all() or (fixed is None and np.abs(inverse).max() > 1e6):
+        is_singular = fixed is None and np.abs(inverse).max() > 1e6
+        if not np.isfinite(inverse).all() or is_singular:
             return None
-        number = ClosingEquations(
-            self.fixed, self.word, self.periods, FINE_DIGITS
-        ).arithmetic.number
-        u = [number(Fraction(value)) for value in (root * self.scale).tolist()]
+        equations = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS)
+        number = equations.arithmetic.number
+        u = [number(Fraction(value)) for value in (corrected.z * self.scale).tolist()]
         # With the inverse in doubles each step makes many more digits right.
         before = inf
         with suppress(ZeroDivisionError, ValueError):
-            for _ in range(30):
+            for _ in range(MOST_POLISHING):
                 if fixed is not None:
-                    u[fixed[0]] = number(fixed[1])
+                    u[index] = number(exact_value)
                 values = [float(value) for value in self.residuals(u, FINE_DIGITS)]
                 if not np.isfinite(values).all():
                     return None
-                if fixed is None:
-                    right = values
-                else:
-                    right = [*values, 0.0]
-                step = linear.product(inverse, np.array(right))
+                if fixed is not None:
+                    values.append(0.0)  # the hyperplane's equation: u[index] is right already
+                step = linear.product(inverse, np.array(values))
                 size = float(np.abs(step).max())
                 changes = (step * self.scale).tolist()
                 u = [
                     value - number(Fraction(change))
                     for value, change in zip(u, changes, strict=True)
                 ]
-                if size < 1e-30 or size > before / 2:
-                    if size < 1e-30:
-                        return u
+                if size < 1e-30:
+                    return u
+                if size > before / 2:
                     return None
                 before = size
         return None
@@ -388,13 +425,15 @@ class BorderSystem:
         corrected = self.correct(z, along if row is None else row)
         if corrected is None:
             return None
-        z, inverse, left = corrected
+        z, inverse, error = corrected
         if not self.sizes.size:  # one orbit tells the sizes of the terms for all
             self.sizes = self._sizes((z * self.scale).tolist())
+        # What rounding of the residuals does to the parameters, the last two unknowns.
         grown = np.abs(inverse[-2:, : len(self.sizes)])
         rounding = linear.product(grown, 4 * EPS * self.sizes) + 2 * EPS * np.abs(z[-2:])
+        # The last column of the inverse moves along the border: no residual but the row's changes.
         tangent = inverse[:, -1] * np.sign(linear.dot(inverse[:, -1], along))
-        return Node(z, tangent / linear.norm(tangent), (rounding + left) * self.scale[-2:])
+        return Node(z, tangent / linear.norm(tangent), (rounding + error) * self.scale[-2:])
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
         """Return the sizes of the terms of all residuals, by which their rounding errors are
@@ -402,19 +441,22 @@ class BorderSystem:
         """
         equations, points, _ = self.at(u)
         size = scales(equations, points)
-        rows = []
+        sizes = []
         largest = max(abs(x) for x, _ in points)
         for piece, _, _, tau in equations.spans(points):
-            rows += [
-                largest,
-                size.a if piece.sticks else size.v * min(1.0, abs(tau)) / abs(tau) ** piece.zeros,
-            ]
+            if piece.sticks:
+                size_2 = size.a
+            else:
+                size_2 = size.v * min(1.0, abs(tau)) / abs(tau) ** piece.zeros
+            sizes += [largest, size_2]
         for zero in self.zeros:
             if zero.kind == AT_TOUCH:
-                rows += [size.v, size.a / size.t]
+                sizes += [size.v, size.a / size.t]
+            elif zero.kind in TIMED:
+                sizes += [size.a, size.a]
             else:
-                rows += [size.a] * (2 if zero.kind in TIMED else 1)
-        return np.array(rows)
+                sizes.append(size.a)
+        return np.array(sizes)
 
     # -- the inequalities along the border ---------------------------------------------------------
 
@@ -434,12 +476,10 @@ class BorderSystem:
                 shift = 0
         small = [i for i, states in enumerate(zip(*flags, strict=True)) if all(states)]
         # An extremum next to an end of its flight may be missed; by symmetry its margin is 0 too.
-        own = [
-            (zero.kind, (zero.piece + add) % self.n) for zero in self.zeros for add in (0, shift)
-        ]
-        self.hidden = tuple(
-            {*small, *(i for i, c in enumerate(margins) if (kind_of(c), c.piece) in own)}
-        )
+        own = [(zero.kind, zero.piece) for zero in self.zeros]
+        own += [(zero.kind, (zero.piece + shift) % self.n) for zero in self.zeros]
+        of_zeros = [i for i, c in enumerate(margins) if (kind_of(c), c.piece) in own]
+        self.hidden = tuple({*small, *of_zeros})
         # Only for the inequalities: the equations would not fix an orbit that is at rest twice.
         crossings = [
             c.piece for i, c in enumerate(margins) if i in small and c.rank == admissibility.PASSING
@@ -454,28 +494,24 @@ class BorderSystem:
         equations.pieces = self.symmetric_pieces
         margins = conditions(equations, points)
         size = scales(equations, points)
-        mine = {(zero.kind, zero.piece) for zero in self.zeros}
-        own = [
-            c for i, c in enumerate(margins) if i in self.hidden and (kind_of(c), c.piece) in mine
-        ]
+        kinds_and_pieces = {(zero.kind, zero.piece) for zero in self.zeros}
+        own = [margins[i] for i in sorted(self.hidden)]
+        own = [c for c in own if (kind_of(c), c.piece) in kinds_and_pieces]
         margins = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(margins)]
-        for zero, theta in zip(self.zeros, [*phases, *[0.0] * len(self.zeros)], strict=False):
+        # A zero without a phase does not use its theta.
+        padded_phases = [*phases, *[0.0] * len(self.zeros)]
+        for zero, theta in zip(self.zeros, padded_phases, strict=False):
             margins += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
         # The margins at other extrema than those that vanish on the border.
         equations.pieces = self.pieces
         for c in own:
+            elsewhere = list[Number]()
             if kind_of(c) in TIMED:
-                turns = extrema_of(equations, points, c.piece, kind_of(c))
-            else:
-                turns = []
-            away = [
-                value
-                for value, theta, _ in turns
-                if all(abs(theta - phase) > 1e-5 for phase in phases)
-            ]
-            margins.append(
-                c._replace(value=float(min(away, default=inf)), text=f"elsewhere, {c.text}")
-            )
+                for extreme in extrema_of(equations, points, c.piece, kind_of(c)):
+                    if all(abs(extreme.theta - phase) > 1e-5 for phase in phases):
+                        elsewhere.append(extreme.margin)
+            value = float(min(elsewhere, default=inf))
+            margins.append(c._replace(value=value, text=f"elsewhere, {c.text}"))
         return margins
 
     def _simple_zero_margins(
@@ -487,8 +523,8 @@ class BorderSystem:
         `theta` is the phase of the extremum at which the margin vanishes; `size` becomes the
         `Condition.scale`.
         """
-        end = equations.ends(points)[zero.piece][1]
-        begin = points[zero.piece][1]
+        _, begin = points[zero.piece]
+        _, end = equations.ends(points)[zero.piece]
         piece = self.pieces[zero.piece]
         (value,) = zero_values(equations, points, zero.bend, theta)
         if zero.kind == AT_FAR:
@@ -506,11 +542,10 @@ class BorderSystem:
             else:
                 sign = -1
             text = f"the extremum in {piece.label} is a regular one"
-            for away, what in ((theta - begin, "begins before"), (end - theta, "ends after")):
-                time = away / equations.K.Om
-                yield Condition(
-                    zero.piece, f"{piece.label} {what} its extremum", time, theta, "", -1, size
-                )
+            for turned, order in ((theta - begin, "begins before"), (end - theta, "ends after")):
+                time = turned / equations.K.Om
+                inequality = f"{piece.label} {order} its extremum"
+                yield Condition(zero.piece, inequality, time, theta, "", -1, size)
         yield Condition(zero.piece, text, float(sign * value), theta / equations.K.Om, "", -1, size)
 
 
@@ -646,9 +681,7 @@ def _slope(
     return np.asarray((np.array(function(beside)) - values) / step)
 
 
-def extrema_of(
-    equations: ClosingEquations, points: Points, i: int, kind: str
-) -> list[tuple[Number, Number, int]]:
+def extrema_of(equations: ClosingEquations, points: Points, i: int, kind: str) -> list[Extreme]:
     """Return the extrema in piece i: from `clearances` if `kind` is that of a graze, else from
     `holding_forces`.
     """
@@ -665,6 +698,7 @@ def zero_values(
     its derivative.
     """
     start = points[zero.piece]
+    start_x, start_theta = start
     piece = equations.pieces[zero.piece]
     K = equations.K
     if zero.kind in (AT_FAR, AT_ARRIVAL, AT_FLAT):
@@ -674,12 +708,12 @@ def zero_values(
         if zero.kind != AT_FLAT:
             return [F]
         return [next_derivative(F, v, K.fB * equations.sin(end), K.cm, K.w0sq)]
-    tau = (theta - start[1]) / K.Om
+    tau = (theta - start_theta) / K.Om
     if piece.sticks:
         belt = equations.belt(piece.start)
         if zero.kind == AT_BEND:
             return [-K.fB * K.Om * equations.cos(theta)]
-        force = equations.force(zero.place, start[0] + belt.v * tau, belt.v, theta)
+        force = equations.force(zero.place, start_x + belt.v * tau, belt.v, theta)
         return [force, belt.drift - K.fB * equations.sin(theta)]
     launch = equations.start_of_flight(piece, start)
     _, dv, a = motion(*launch, K.cm, K.w0sq, K.f0, K.Om, *equations.basis(tau, K)[:5])
@@ -700,11 +734,9 @@ def is_symmetric(points: np.ndarray, part: float = NOTHING) -> bool:
     """
     if len(points) % 2:
         return False
-    away = symmetrised(points) - points
-    return bool(
-        np.abs(away[:, 0]).max() < part * np.abs(points[:, 0]).max()
-        and np.abs(away[:, 1]).max() < part
-    )
+    off_x, off_theta = np.abs(symmetrised(points) - points).T
+    x, _ = np.abs(points).T
+    return bool(off_x.max() < part * x.max() and off_theta.max() < part)
 
 
 def symmetrised(points: np.ndarray) -> np.ndarray:
@@ -712,11 +744,14 @@ def symmetrised(points: np.ndarray) -> np.ndarray:
     points.
     """
     half = len(points) // 2
-    x = points[:half, 0] - points[half:, 0]
-    theta = points[:half, 1] + points[half:, 1]
-    mean = points[:, 0].mean()
-    first = np.column_stack([mean + x / 2, (theta - pi) / 2])
-    return np.vstack([first, np.column_stack([mean - x / 2, (theta + pi) / 2])])
+    x, theta = points.T
+    mean = x.mean()
+    # The mean of each point and of the image of its partner, half a turn of the drive apart.
+    difference = x[:half] - x[half:]
+    total = theta[:half] + theta[half:]
+    first = np.column_stack([mean + difference / 2, (total - pi) / 2])
+    second = np.column_stack([mean - difference / 2, (total + pi) / 2])
+    return np.vstack([first, second])
 
 
 def kind_of(condition: Condition) -> str:
@@ -737,9 +772,8 @@ def kind_of(condition: Condition) -> str:
 
 def zeros_of(
     equations: ClosingEquations, points: Points, condition: Condition
-) -> list[tuple[Zero, list[float]]]:
-    """Return each `Zero` that a condition near 0 can mean, with a list that has the phase of its
-    extremum, if any.
+) -> list[LocatedZero]:
+    """Return each `Zero` that a condition near 0 can mean, with the phase of its extremum, if any.
 
     There are two at a crossing after which the flight turns back at once: that of the force, and
     that of a graze.
@@ -747,29 +781,29 @@ def zeros_of(
     kind = kind_of(condition)
     i = condition.piece
     piece = equations.pieces[i]
-    end = equations.ends(points)[i]
-    if kind == AT_FAR:
-        zeros: list[tuple[Zero, list[float]]] = [(Zero(AT_FAR, i, piece.mode + piece.side), [])]
-        j = (i + 1) % len(points)
-        v = equations.belt(piece.end).v
-        K = equations.K
-        G1, G2, _ = derivatives(
-            v, condition.value * piece.side, equations.sin(end[1]), equations.cos(end[1]), K
-        )
-        if piece.side * G1 < 0 < piece.side * G2 and not equations.pieces[j].sticks:
-            # The flight behind the crossing turns back at once: a graze so near that no sample
-            # would show it. There the velocity a0 + b0 tau/2 + c0 tau^2/6, times tau, has a double
-            # root.
-            zeros.append(
-                (Zero(AT_TOUCH, j, piece.end), [float(points[j][1] - 1.5 * G1 / G2 * K.Om)])
-            )
-        return zeros
-    if kind in ("", AT_ARRIVAL):
-        if kind:
-            return [(Zero(kind, i, piece.mode), [])]
+    if kind == "":
         return []
-    rows = sorted(extrema_of(equations, points, i, kind))[:1]
-    return [(Zero(kind, i, place), [float(theta)]) for _, theta, place in rows]
+    if kind == AT_ARRIVAL:
+        return [LocatedZero(Zero(kind, i, piece.mode), [])]
+    if kind != AT_FAR:
+        closest = sorted(extrema_of(equations, points, i, kind))[:1]
+        return [
+            LocatedZero(Zero(kind, i, extreme.place), [float(extreme.theta)]) for extreme in closest
+        ]
+    zeros = [LocatedZero(Zero(AT_FAR, i, piece.mode + piece.side), [])]
+    following = (i + 1) % len(points)
+    v = equations.belt(piece.end).v
+    _, end = equations.ends(points)[i]
+    F = condition.value * piece.side
+    K = equations.K
+    G1, G2, _ = derivatives(v, F, equations.sin(end), equations.cos(end), K)
+    if piece.side * G1 < 0 < piece.side * G2 and not equations.pieces[following].sticks:
+        # The flight behind the crossing turns back at once: a graze so near that no sample would
+        # show it. There the velocity a0 + b0 tau/2 + c0 tau^2/6, times tau, has a double root.
+        _, start = points[following]
+        phase_of_graze = float(start - 1.5 * G1 / G2 * K.Om)
+        zeros.append(LocatedZero(Zero(AT_TOUCH, following, piece.end), [phase_of_graze]))
+    return zeros
 
 
 def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:

@@ -158,21 +158,22 @@ class Walk:
 
     def _node_at(self, bound: Bound, here: Node, node: Node) -> Node:
         """Return the node at a bound between two nodes; `here` if it is not found."""
-        column = -2 + bound.j
-        part = (bound.value - here.z[column]) / (node.z[column] - here.z[column])
-        guess = between(here, node, float(part))
+        column = -2 + bound.j  # of the parameter: they are the last two unknowns
+        fraction = (bound.value - here.z[column]) / (node.z[column] - here.z[column])
+        guess = between(here, node, float(fraction))
         guess[column] = bound.value
         return self.system.node(guess, here.tangent, np.eye(len(guess))[column]) or here
 
     def _add_folds(self, here: Node, node: Node) -> None:
         """Add the folds between two nodes to the path and to the special points."""
         for j in (0, 1):
-            slopes = np.array([here.tangent[-2 + j], node.tangent[-2 + j]])
+            slopes = np.array([here.slope(j), node.slope(j)])
             if slopes.prod() < 0 and np.ptp(slopes) > LEAST_TURN:
                 fold = fold_between(self.system, here, node, j)
                 if fold is not None:
-                    self.path.append(fold[0])
-                    self.special.append(fold[1])
+                    fold_node, special_point = fold
+                    self.path.append(fold_node)
+                    self.special.append(special_point)
 
     def _end_here(self, here: Node, bound: Bound | None) -> BorderEnd | None:
         """Return the end of the border if it is at the last node or before it, else None."""
@@ -198,11 +199,12 @@ class Walk:
         """Return whether the first node lies between `here` and the last node."""
         if len(self.path) <= CHECKED:
             return False
-        away = self.first.z - here.z
+        to_first = self.first.z - here.z
         along = self.path[-1].z - here.z
         length = linear.norm(along)
-        part = linear.dot(away, along) / length**2
-        return bool(0 <= part <= 1 and linear.norm(away - part * along) < FARTHEST * length)
+        fraction = linear.dot(to_first, along) / length**2
+        distance = linear.norm(to_first - fraction * along)  # from the chord
+        return bool(0 <= fraction <= 1 and distance < FARTHEST * length)
 
     def _cut(self, at: int) -> BorderEnd:
         """End the path where an inequality vanishes, before the node with the number `at`."""
@@ -218,7 +220,7 @@ class Walk:
         """Return the number of the first node after the last check at which an inequality fails, or
         None.
         """
-        low = self.checked
+        low = self.checked  # where all inequalities are known to hold
         high = len(self.path) - 1
         before = self.margins
         self.margins = self.system.margins(self.path[high].z)
@@ -241,14 +243,12 @@ class Walk:
 
 
 def _are_steady(before: Sequence[Condition] | None, after: Sequence[Condition]) -> bool:
-    """Return whether no margin can have been negative between two checks.
-
-    A margin may dip between two checks. How it has changed tells how far.
-    """
+    """Return whether no margin is likely to have been negative between two checks."""
+    # A margin may dip between them: how it has changed tells how far.
     if before is None:
         return True
-    for a, b in zip(before, after, strict=False):
-        change = abs(a.value - b.value)
-        if change and min(a.value, b.value) <= min(change, b.value / 2):
+    for earlier, later in zip(before, after, strict=False):
+        change = abs(earlier.value - later.value)
+        if change and min(earlier.value, later.value) <= min(change, later.value / 2):
             return False
     return True

@@ -102,6 +102,8 @@ RESOLUTION = 1e-12
 NO_GAP = 1e-7  # nearer to a change a gap before it cannot be seen, and nothing is proven on the way
 MARGIN_SAFETY = 4.0
 MOST_PARTS = 800
+# How often the parts of a piece are refined, at most.
+DEEPEST = 30
 
 
 class BranchError(SymoscError, ValueError):
@@ -410,6 +412,13 @@ class BranchPoint:
     failures: tuple[Condition, ...]
 
 
+class Scanned(NamedTuple):
+    """A stretch of a branch: its orbits in order, and the point after them that is none, if any."""
+
+    orbits: list[BranchPoint]
+    failed: BranchPoint | None
+
+
 class Curve:
     """The curve of roots of the closing equations over one parameter, in the scaled unknowns z.
 
@@ -467,9 +476,10 @@ class Curve:
         """Return z with positions counted from their mean: a shift of the whole orbit then has
         length 0.
         """
-        tangent = z.copy()
-        tangent[:-1:2] -= tangent[:-1:2].mean()
-        return tangent
+        levelled = z.copy()
+        positions = levelled[:-1:2]  # a view: every second unknown but for the parameter at the end
+        positions -= positions.mean()
+        return levelled
 
     def distance(self, a: BranchPoint, b: BranchPoint) -> float:
         """Return the length of the chord between two points of the branch, in scaled unknowns."""
@@ -490,10 +500,10 @@ class Curve:
             below = change
         else:
             below = 0.0
-        beside = [
+        residuals_above, residuals_below = (
             np.array(self.equations(value + shift).residuals(points)) for shift in (above, -below)
-        ]
-        return (beside[0] - beside[1]) / (above + below)
+        )
+        return (residuals_above - residuals_below) / (above + below)
 
     def matrix(self, z: np.ndarray, slope: np.ndarray) -> np.ndarray:
         """Return the Jacobian (2n, 2n + 1) of the residuals by the scaled unknowns.
@@ -568,20 +578,22 @@ class Curve:
         if not found.
         """
         ahead = current.z + length * current.tangent
-        value = self.split(ahead)[1]
+        _, value = self.split(ahead)
         if self.low < value < self.high:
             point = self.accepted(self.correct(ahead, current.tangent), current)
             if point is None or self.low <= point.value <= self.high:
                 return point
-            # the curve bends over the end of the range
+            # The curve bends over the end of the range.
             ahead = point.z
             value = point.value
         if value >= self.high:
             value = self.high
         else:
             value = self.low
-        part = (value - current.value) / (ahead[-1] * self.scale[-1] - current.value)
-        guess, _ = self.split(current.z + part * (ahead - current.z))
+        # Where the chord from the current point reaches the end of the range.
+        value_ahead = ahead[-1] * self.scale[-1]
+        fraction = (value - current.value) / (value_ahead - current.value)
+        guess, _ = self.split(current.z + fraction * (ahead - current.z))
         solution = solve(self.equations(value), guess)
         if solution.converged:
             return self.accepted(self.joined(solution.points, value), current)
@@ -613,19 +625,10 @@ class Curve:
         length = FIRST_STEP
         reached = 0.0
         path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
-        # At an end margins are rounding noise. Then a point just after it follows; between the two
-        # nothing is proven.
-        at_end = not all(
-            condition.value > 1e-6 * condition.scale for condition in path[0].conditions
-        )
-        beside = (self.step(path[0], shift) for shift in ((1e-6, 1e-5, 1e-4) if at_end else ()))
-        orbits = (
-            point
-            for point in beside
-            if point and not point.failures and not self._verified(point).failures
-        )
-        path += [point for point in (next(orbits, None),) if point]
-        # the other way is done, wherever it ended
+        beside = self._beside_an_end(path[0])
+        if beside is not None:
+            path.append(beside)
+        # The other way is done, wherever it ended.
         if before:
             done = self.value - self.low
         else:
@@ -634,6 +637,7 @@ class Curve:
         def end(
             kind: str, message: str, *conditions: Condition
         ) -> tuple[list[BranchPoint], BranchEnd]:
+            """Return the path and its end at the last point."""
             return path, BranchEnd(
                 kind, path[-1].value, message, self._switchings(path[-1]), conditions
             )
@@ -663,105 +667,117 @@ class Curve:
                     f"{nearest.value:.3g})"
                 )
                 return end(NO_CONVERGENCE, message, nearest)
-            points, failed = scanned
-            path += points
+            path += scanned.orbits
             reached = max(reached, abs(path[-1].value - self.value))
             if advance:
                 advance(min(1.0, (done + reached) / (self.high - self.low)), before + len(path))
             if len(path) > most:
                 del path[most:]
                 return end(MOST, f"stopped after {most} points")
-            if failed is not None:
-                return path, self._end_at(path, failed, direction)
+            if scanned.failed is not None:
+                return path, self._end_at(path, scanned.failed, direction)
             length = min(1.5 * length, LONGEST_STEP)
 
-    def _scan(
-        self, a: BranchPoint, b: BranchPoint, around: float = np.inf
-    ) -> tuple[list[BranchPoint], BranchPoint | None] | None:
-        """Search the stretch from a to b for a point that is no orbit.
+    def _beside_an_end(self, first: BranchPoint) -> BranchPoint | None:
+        """Return an orbit just after the first one if that is at an end, where margins are rounding
+        noise; else None. Between the two nothing is proven.
+        """
+        if all(condition.value > 1e-6 * condition.scale for condition in first.conditions):
+            return None
+        for shift in (1e-6, 1e-5, 1e-4):
+            point = self.step(first, shift)
+            if point and not point.failures and not self._verified(point).failures:
+                return point
+        return None
 
-        Return the orbits before it, and this point.
+    def _scan(self, a: BranchPoint, b: BranchPoint, around: float = np.inf) -> Scanned | None:
+        """Search the stretch from a to b for a point that is no orbit; None if the points do not
+        lie on one smooth curve: a shorter step is needed.
 
-        Instead of the point return None if all are orbits. Return only None if the points do not
-        lie on one smooth curve: a shorter step is needed. `around` is the length of the shortest
-        known stretch around a and b that ends at no orbit.
+        `around` is the length of the shortest known stretch around a and b that ends at no orbit.
         """
         length = self.distance(a, b)
         changed = bool(b.failures)
         if changed:
             around = min(around, length)
-        if changed and length < NO_GAP:  # bisect for the end
-            good = a
-            bad = b
-            while (
-                self.distance(good, bad) > RESOLUTION and (m := self.middle(good, bad)) is not None
-            ):
-                if m.failures:
-                    bad = m
-                else:
-                    good = m
-            return ([] if good is a else [good]), bad
+        if changed and length < NO_GAP:
+            return self._bisected(a, b)
         m = self.middle(a, b)
         if m is None:
             return None
-        away = self.level(m.z - self.halfway(a, b))
+        off = self.level(m.z - self.halfway(a, b))
         along = self.level(m.tangent)
-        across = linear.norm(away - linear.dot(away, along) * along)
+        across = linear.norm(off - linear.dot(off, along) * along)
         if across > 1e-2 * length + RESOLUTION:  # too far from the cubic
             return None
         if not changed and not m.failures:
             if self._proven(a, m, b):
                 b = self._verified(b)  # and so is m: between two orbits nothing has changed
                 if not b.failures:
-                    return [m, b], None
+                    return Scanned([m, b], None)
             # On so short a piece a margin that cannot be bounded away from 0 is taken to touch it.
             elif length < 1e-9:
                 if around <= 1e-4:  # all is rounding noise here; next to a change it says nothing
-                    return [m], None
+                    return Scanned([m], None)
                 # A margin is so small that doubles cannot tell whether it passes 0.
-                return [], replace(
-                    m, failures=(min(m.conditions, key=lambda c: c.value / c.scale),)
-                )
+                smallest = min(m.conditions, key=lambda c: c.value / c.scale)
+                return Scanned([], replace(m, failures=(smallest,)))
         first = self._scan(a, m, around)
-        if first is None:
-            return None
-        orbits, failed = first
-        if failed is not None:
+        if first is None or first.failed is not None:
             return first
-        second = self._scan(orbits[-1], b, around)
+        second = self._scan(first.orbits[-1], b, around)
         if second is None:
             return None
-        further, failed = second
-        return orbits + further, failed
+        return Scanned(first.orbits + second.orbits, second.failed)
+
+    def _bisected(self, good: BranchPoint, bad: BranchPoint) -> Scanned:
+        """Return the last orbit before `bad`, if it is not `good`, and the first point that is
+        none.
+        """
+        orbits = list[BranchPoint]()
+        while self.distance(good, bad) > RESOLUTION:
+            middle = self.middle(good, bad)
+            if middle is None:
+                break
+            if middle.failures:
+                bad = middle
+            else:
+                good = middle
+                orbits = [good]
+        return Scanned(orbits, bad)
 
     def _proven(self, a: BranchPoint, m: BranchPoint, b: BranchPoint) -> bool:
         """Return whether no margin can reach 0 between the points a and b of the branch.
 
         The point m lies halfway.
         """
-        first, middle, last = ((node.points, node.value) for node in (a, m, b))
         # Five points: the three, and two on the cubics between them.
-        five = first, self.split(self.halfway(a, m)), middle, self.split(self.halfway(m, b)), last
-        nodes = [(self.equations(value), points) for points, value in five]
+        points_am, value_am = self.split(self.halfway(a, m))
+        points_mb, value_mb = self.split(self.halfway(m, b))
+        at_am = (self.equations(value_am), points_am)
+        at_mb = (self.equations(value_mb), points_mb)
+        at_a, at_m, at_b = ((self.equations(node.value), node.points) for node in (a, m, b))
+        nodes = [at_a, at_am, at_m, at_mb, at_b]
         margins = [
             a.conditions,
-            conditions(*nodes[1]),
+            conditions(*at_am),
             m.conditions,
-            conditions(*nodes[3]),
+            conditions(*at_mb),
             b.conditions,
         ]
+        # The margins that are smooth numbers; those of whole pieces are functions of u.
         values = np.array(
             [[c.value for c in row if not concerns_whole_piece(c)] for row in margins]
         )
         if not _proven_positive(values).all():
             return False
-        equations, _ = nodes[2]  # those at m
+        equations, _ = at_m
         spans = equations.spans(m.points)
         rate = equations.K.rate
-        parts = [1 + int(min(MOST_PARTS, max(12, span.tau * rate / SAMPLE))) for span in spans]
+        counts = [1 + int(min(MOST_PARTS, max(12, span.tau * rate / SAMPLE))) for span in spans]
         return all(
-            _stay_positive(nodes, i, np.linspace(0.0, 1.0, count), 30)
-            for i, count in enumerate(parts)
+            _stay_positive(nodes, i, np.linspace(0.0, 1.0, count), DEEPEST)
+            for i, count in enumerate(counts)
         )
 
     def _verified(self, point: BranchPoint) -> BranchPoint:
@@ -773,35 +789,35 @@ class Curve:
     # -- the end -----------------------------------------------------------------------------------
 
     def _end_at(self, path: list[BranchPoint], failed: BranchPoint, direction: float) -> BranchEnd:
-        """Return the end of the branch before the point `failed`.
-
-        Replace the last point of `path` by a sure orbit.
+        """Return the end of the branch before the point `failed`, and replace the last point of
+        `path` by a sure orbit.
         """
         # Margins are compared with those at a point that is far enough before the end.
         before = next(
             (point for point in reversed(path) if self.distance(point, failed) > 1e-3), path[0]
         )
-        # What a margin must have fallen to to count as 0, or where doubles cannot decide on which
-        # side of 0 it is
+        # A margin counts as 0 if it has fallen to this part, or if doubles cannot decide on which
+        # side of 0 it is.
         if any(condition.value > 0 for condition in failed.failures):
             part = 1e-3
         else:
             part = 1e-5
-        pairs = zip(before.conditions, failed.conditions, strict=True)
-        zero = [
-            c for was, c in pairs if c.value < max(part * min(was.value, 1e300), MARGINAL * c.scale)
-        ]
-        zero = sorted(zero, key=lambda condition: condition.rank) or list(failed.failures)
-        reasons = tuple(condition for condition in zero if condition.event == zero[0].event)
+        vanished = list[Condition]()
+        for earlier, condition in zip(before.conditions, failed.conditions, strict=True):
+            limit = max(part * min(earlier.value, 1e300), MARGINAL * condition.scale)
+            if condition.value < limit:
+                vanished.append(condition)
+        vanished = sorted(vanished, key=lambda condition: condition.rank) or list(failed.failures)
+        event = vanished[0].event
+        reasons = tuple(condition for condition in vanished if condition.event == event)
         message = "; ".join(f"the condition '{c.text}' fails at t = {c.t:.10g}" for c in reasons)
         last = self._inside(path[-1])
         path[-1] = last
-        word, instead = self._word_beyond(
-            last, float(np.sign(failed.value - before.value)) or direction
-        )
+        outward = float(np.sign(failed.value - before.value)) or direction
+        word, instead = self._word_beyond(last, outward)
         if instead:
             message += f"; beyond it {instead}"
-        return BranchEnd(zero[0].event, last.value, message, self._switchings(last), reasons, word)
+        return BranchEnd(event, last.value, message, self._switchings(last), reasons, word)
 
     def _inside(self, last: BranchPoint) -> BranchPoint:
         """Return the last point of a branch that more digits confirm as an orbit: `last`, or one
@@ -838,7 +854,8 @@ class Curve:
             except ParameterError:  # there is no such system
                 break
             (x, theta) = point.points[0].tolist()
-            size = float(np.abs(point.points[:, 0]).max())
+            positions, _ = point.points.T
+            size = float(np.abs(positions).max())
             orbit, text = settling(equations, x, theta % (2 * pi), equations.pieces[0].start, size)
             if orbit is not None:
                 return orbit.cycle, ""
@@ -904,9 +921,8 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
     the piece's duration at which margins are computed. Where these are not enough, `u` is refined,
     at most `depth` times.
     """
-    for rows in zip(
-        *(piece_margins(equations, points, i, u) for equations, points in nodes), strict=True
-    ):
+    margins_at_nodes = [piece_margins(equations, points, i, u) for equations, points in nodes]
+    for rows in zip(*margins_at_nodes, strict=True):  # one margin at the five points
         values = np.array(rows)
         good = _proven_positive(values, MARGIN_SAFETY / 8 * _largest_bends(values, axis=1))
         if good.all():
@@ -919,11 +935,10 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
             low = u[max(first - 1, 0)]
             high = u[min(last + 1, len(u) - 1)]
             finer = np.linspace(low, high, 1 + 8 * (last - first + 2))
-            if (
-                finer[1] <= finer[0]
-                or len(finer) > MOST_PARTS
-                or not _stay_positive(nodes, i, finer, depth - 1)
-            ):
+            is_resolved = finer[1] > finer[0]  # else doubles end here
+            if not is_resolved or len(finer) > MOST_PARTS:
+                return False
+            if not _stay_positive(nodes, i, finer, depth - 1):
                 return False
     return True
 
@@ -934,7 +949,7 @@ def piece_margins(
     """Return the margins of piece i at the fractions u of its duration: gaps to belts in flights,
     forces in sticks.
     """
-    piece, start, end, tau = equations.spans(points)[i]
+    piece, start, (_, end_theta), tau = equations.spans(points)[i]
     K = equations.K
     belt = equations.belt(piece.start)
     columns = column_functions()
@@ -942,21 +957,21 @@ def piece_margins(
         # Time counts from the end of the stick, where the force that ends it is 0.
         before = -(1 - u) * tau
         half = 0.5 * K.Om * before
-        waves = columns["sin"](end[1] + half) * columns["sin"](half)
+        waves = columns["sin"](end_theta + half) * columns["sin"](half)
         force = -piece.side * (belt.drift * before - 2 * K.f0 * waves)
-        slope = piece.side * (belt.drift - K.fB * equations.sin(end[1]))
+        slope = piece.side * (belt.drift - K.fB * equations.sin(end_theta))
         ratio = np.where(u == 1, slope, force / np.where(u == 1, 1.0, -before))
         return [ratio, belt.J - force]
     times = tau * u
     v, a, s, c = equations.start_of_flight(piece, start)
-    _, dv, acceleration = motion(
-        v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *columns["basis"](times, K)[:5]
-    )
-    b = derivatives(v, a, s, c, K)[0]
+    basis = columns["basis"](times, K)[:5]
+    _, dv, acceleration = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, *basis)
+    b, *_ = derivatives(v, a, s, c, K)
     functions = []
     for boundary, sign in ((piece.mode - 1, 1.0), (piece.mode, -1.0)):
         if boundary not in (1, 2):
             continue
+        # q(u) of the module's docstring; where it is 0/0, at the ends, by accelerations.
         roots = piece.roots(boundary)
         gap = sign * ((v - equations.belt(boundary).v) + dv)
         if roots:

@@ -36,6 +36,7 @@ from symosc.model import Parameters
 from symosc.words import Word
 
 MOST_NEWTON_STEPS = 60
+LEAST_DAMPING = 2.0**-16
 MOST_POLISHING = 80
 # A step takes at most this part of a flight's duration away: it must not shrink to its trivial root
 # tau = 0.
@@ -213,10 +214,12 @@ class ClosingEquations:
 
     def spans(self, points: Points) -> list[Span]:
         """Return every piece with its start, its end and its duration."""
-        ends = zip(self.pieces, points, self.ends(points), strict=True)
-        return [
-            Span(piece, start, end, (end[1] - start[1]) / self.K.Om) for piece, start, end in ends
-        ]
+        spans = []
+        for piece, start, end in zip(self.pieces, points, self.ends(points), strict=True):
+            _, theta = start
+            _, end_theta = end
+            spans.append(Span(piece, start, end, (end_theta - theta) / self.K.Om))
+        return spans
 
     def residuals(self, points: Points) -> list[Number]:
         """Return f1 and f2 of eq. (54) for each piece; f2 is divided by tau^n where tau = 0 is an
@@ -235,9 +238,8 @@ class ClosingEquations:
     def force(self, domain: int, x: Number, v: Number, theta: Number) -> Number:
         """Return F^(domain) of eq. (9), which is the acceleration in this domain."""
         K = self.K
-        return kernels.acceleration(
-            x, v, self.cos(theta), (K.A1, K.A2, K.A3)[domain - 1], K.cm, K.w0sq, K.f0
-        )
+        A = (K.A1, K.A2, K.A3)[domain - 1]
+        return kernels.acceleration(x, v, self.cos(theta), A, K.cm, K.w0sq, K.f0)
 
     def belt(self, boundary: int) -> BeltConstants:
         """Return the constants of a belt, such as its speed, in this arithmetic."""
@@ -247,12 +249,13 @@ class ClosingEquations:
         """Return what a flight begins with at `start`: velocity, acceleration, sine and cosine of
         the phase.
         """
+        x, theta = start
         v = self.belt(piece.start).v
         if piece.after_stick:
-            a = 0 * start[0]
+            a = 0 * x  # a 0 in the arithmetic of x
         else:
-            a = self.force(piece.mode, start[0], v, start[1])
-        return Launch(v, a, self.sin(start[1]), self.cos(start[1]))
+            a = self.force(piece.mode, x, v, theta)
+        return Launch(v, a, self.sin(theta), self.cos(theta))
 
     def _residual(self, span: Span) -> tuple[Number, Number]:
         """Return f1 and f2 of eq. (54) for one piece, without the division of f2 by tau^n as in
@@ -261,27 +264,31 @@ class ClosingEquations:
         v_end = self.belt(span.piece.end).v
         K = self.K
         (piece, start, end, tau) = span
+        x, _ = start
+        x_end, theta_end = end
         if piece.sticks:
             # of the domain that it leaves to: belt n has domain n below, n + 1 above
             A = (K.A1, K.A2, K.A3)[piece.start - (piece.side < 0)]
-            return kernels.stick_residual(
-                start[0], v_end, tau, end[0], self.cos(end[1]), A, K.cm, K.w0sq, K.f0
-            )
+            cosine = self.cos(theta_end)
+            return kernels.stick_residual(x, v_end, tau, x_end, cosine, A, K.cm, K.w0sq, K.f0)
         v, a, s, c = self.start_of_flight(piece, start)
         basis = self.basis(tau, K)[:5]
         return kernels.flight_residual(
-            start[0], v, a, s, c, end[0], v_end, K.cm, K.w0sq, K.f0, K.Om, *basis
+            x, v, a, s, c, x_end, v_end, K.cm, K.w0sq, K.f0, K.Om, *basis
         )
 
     def _jacobian(self, span: Span) -> Any:
         """Return the 2x4 Jacobian of f1 and f2, as in `residuals`, by x and theta of the piece's
         start and end.
         """
+        # Below x_th1 is the derivative of f1 by theta at the end (1), v_x0 that of f2 by x at the
+        # start (0).
         (piece, start, end, tau) = span
         K = self.K
         if piece.sticks:
             v = self.belt(piece.start).v
-            s = self.sin(end[1])
+            _, theta_end = end
+            s = self.sin(theta_end)
             x_th0, x_th1, v_x1, v_th1 = kernels.stick_jacobian(v, s, K.w0sq, K.f0, K.Om)
             return (1, x_th0, -1, x_th1), (0, 0, v_x1, v_th1)
         v, a, s, c = self.start_of_flight(piece, start)
@@ -295,7 +302,7 @@ class ClosingEquations:
             x_th0 = x_th0 + K.f0 * s * E2
             v_x0 = v_x0 + K.w0sq * E1
             v_th0 = v_th0 + K.f0 * s * E1
-        if piece.zeros:
+        if piece.zeros:  # f2/tau^zeros: the quotient rule, with dv for f2
             power = tau**piece.zeros
             shift = piece.zeros * dv / (tau * K.Om)
             v_x0 = v_x0 / power
@@ -349,19 +356,26 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     points = np.array(guess, dtype=float)
     scale = np.array([max(np.ptp(points[:, 0]), np.abs(points[:, 0]).max(), 1e-3), 1.0])
     values = np.array(equations.residuals(points), dtype=float)
-    best = (np.abs(values).max(), points)
+    best_points = points
+    best_residual = np.abs(values).max()
+
+    def failed(steps: int, reason: str) -> Solution:
+        return Solution(best_points, best_residual, steps, False, reason)
+
     size_before = np.inf
     damping = 1.0
     for steps in range(1, MOST_NEWTON_STEPS + 1):
+        # `system.solve` is used again for the simplified corrections, with the same matrix.
         try:
             system = _linear_system(equations, points)
             step = system.solve(-values).reshape(-1, 2)
         except (ZeroDivisionError, OverflowError, ValueError):
-            return Solution(best[1], best[0], steps, False, SINGULAR)
+            return failed(steps, SINGULAR)
         size = np.abs(step / scale).max()
         if not np.isfinite(size):
-            return Solution(best[1], best[0], steps, False, "the equations overflowed")
-        if size <= 4 * EPS or (size < CONVERGING and size > size_before / 4):
+            return failed(steps, "the equations overflowed")
+        is_rounding = size < CONVERGING and size > size_before / 4
+        if size <= 4 * EPS or is_rounding:
             return Solution(points, equations.largest_residual(points), steps, True, "")
         size_before = size
         damping = min(1.0, 4.0 * damping, _largest_part(equations, points, step))
@@ -369,24 +383,24 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
             trial = points + damping * step
             values = np.array(equations.residuals(trial), dtype=float)
             after = np.abs(system.solve(values).reshape(-1, 2) / scale).max()
-            if after <= (1 - damping / 4) * size or (size < CONVERGING and damping == 1.0):
+            is_shorter = after <= (1 - damping / 4) * size
+            is_converging = size < CONVERGING and damping == 1.0
+            if is_shorter or is_converging:
                 break
             damping /= 2
-            if damping < 2.0**-16:
-                return Solution(
-                    best[1], best[0], steps, False, "no step brings it nearer to a solution"
-                )
+            if damping < LEAST_DAMPING:
+                return failed(steps, "no step brings it nearer to a solution")
         points = trial
-        best = min(best, (np.abs(values).max(), points), key=lambda pair: pair[0])
-    return Solution(
-        best[1], best[0], MOST_NEWTON_STEPS, False, f"not converged after {MOST_NEWTON_STEPS} steps"
-    )
+        residual = np.abs(values).max()
+        if residual < best_residual:
+            best_points = points
+            best_residual = residual
+    return failed(MOST_NEWTON_STEPS, f"not converged after {MOST_NEWTON_STEPS} steps")
 
 
 def _linear_system(equations: ClosingEquations, points: Points) -> Factors | Shortest:
-    """Return the linear system of Newton's method at `points`.
-
-    For c = 0 its `solve` returns the shortest step.
+    """Return the linear system of Newton's method at `points`; for c = 0, where it may be singular,
+    its `solve` returns the shortest step.
     """
     matrix = equations.matrix(points)
     if equations.K.cm == 0:
@@ -425,7 +439,8 @@ def _largest_part(equations: ClosingEquations, points: np.ndarray, step: np.ndar
     # A stick may shrink to nothing and beyond: its equations have roots of negative duration, which
     # are inadmissible.
     durations = equations.durations(points)
-    changes = np.append(step[1:, 1], step[0, 1]) - step[:, 1]
+    _, phase_step = step.T
+    changes = np.append(phase_step[1:], phase_step[0]) - phase_step
     shrinking = np.array([not piece.sticks for piece in equations.pieces]) & (changes < 0)
     return float((MOST_SHORTENING * durations[shrinking] / -changes[shrinking]).min(initial=1.0))
 
@@ -453,9 +468,8 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
         if not context.isfinite(size) or size > largest_value:
             return Solution(points, largest, steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
-        if size <= 16 * context.eps * largest_value or (
-            size >= last_size / 4 and size < context.eps**0.8 * largest_value
-        ):
+        is_rounding = size >= last_size / 4 and size < context.eps**0.8 * largest_value
+        if size <= 16 * context.eps * largest_value or is_rounding:
             return Solution(points, equations.largest_residual(points), steps, True, "")
         # Corrections that shrink so slowly converge linearly, as at a multiple root.
         if size > last_size / 16:

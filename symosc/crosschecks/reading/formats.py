@@ -14,7 +14,7 @@ import struct
 from collections.abc import Iterator
 from decimal import Decimal
 from itertools import islice
-from typing import IO, Any
+from typing import IO, Any, NamedTuple
 
 import numpy as np
 
