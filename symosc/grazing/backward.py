@@ -76,6 +76,9 @@ SEARCH_PERIODS = 100
 # At most so many undecided steps of a search are repeated: a flight that stays near a boundary for
 # longer stays undecided.
 MOST_REPEATS = 40
+# How far Newton's method may carry a contact, as a part of a step.
+MOST_SHIFT = 1e-3
+MOST_CONTACT_NEWTON = 200
 
 
 # --- the first root of a polynomial that is known within a noise ---
@@ -83,13 +86,22 @@ MOST_REPEATS = 40
 CUT = 0.4831  # where an interval is divided: not a fraction at which roots are likely
 
 
-def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Number]:
-    """Return (touch, sigma): the first root sigma in (0, 1] of a polynomial whose values are known
-    within `noise`.
+class FirstRoot(NamedTuple):
+    """The first root sigma of a polynomial in (0, 1]; None if there is none.
 
-    `touch` is true if the polynomial comes within `noise` of 0 at sigma, so that it is undecided
-    whether there is a root. If there is neither a root nor a touch, sigma is None.
+    With `touch` the polynomial comes within its noise of 0 at sigma, so that it is undecided
+    whether there is a root.
     """
+
+    touch: bool
+    sigma: Number
+
+
+NO_ROOT = FirstRoot(False, None)
+
+
+def first_root(p: list[Number], noise: Number, eps: Number) -> FirstRoot:
+    """Return the first root in (0, 1] of a polynomial whose values are known within `noise`."""
     # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If
     # the polynomial falls from above the noise to below it with one change of sign, there is
     # exactly one. If its slope changes sign exactly once, from falling to rising, the value at the
@@ -97,9 +109,9 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
     # one counts. Within the noise it is a touch. Otherwise the interval is divided; what is still
     # undecided at the smallest width is a touch too.
     if p[0] - sum(abs(term) for term in p[1:]) > noise:
-        return False, None
+        return NO_ROOT
     unit = 1 + 0 * p[0]
-    slope = [k * term for k, term in enumerate(p)][1:]
+    slope = _derivative(p)
     # The smallest interval: where the slope has several roots nearer to each other than this, it is
     # a touch.
     narrowest = max(eps**0.5 / 16, 2.0**-60)
@@ -109,33 +121,49 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> tuple[bool, Numbe
         if min(b) > noise:
             continue
         falls = b[0] > noise and b[-1] < -noise
-        if falls and all(
-            _count_changes([value > level for value in b]) == 1 for level in (noise, -noise)
-        ):
-            return False, _newton(p, slope, low, high, eps)
+        if falls and _changes_once(b, noise) and _changes_once(b, -noise):
+            return FirstRoot(False, _newton(p, slope, low, high, eps))
         rising = [second > first for first, second in pairwise(b)]
-        if rising and not rising[0] and rising[-1] and _count_changes(rising) == 1:
-            bottom = _newton(
-                [-term for term in slope], [-k * q for k, q in enumerate(slope)][1:], low, high, eps
-            )
+        has_bottom = rising and not rising[0] and rising[-1] and _count_changes(rising) == 1
+        if has_bottom:
+            falling_slope = [-term for term in slope]  # `_newton` looks for a root from > 0 to < 0
+            bottom = _newton(falling_slope, _derivative(falling_slope), low, high, eps)
             value = _polynomial(p, bottom)
             if value > noise:
                 continue
             if b[0] > noise and value < -noise:
-                return False, _newton(p, slope, low, bottom, eps)
-            return True, bottom
+                return FirstRoot(False, _newton(p, slope, low, bottom, eps))
+            return FirstRoot(True, bottom)
         if high - low < narrowest:
-            return True, 0.5 * (low + high)
-        left = [b[0]]
-        right = [b[-1]]
-        row = b
-        while len(row) > 1:
-            row = [first + CUT * (second - first) for first, second in pairwise(row)]
-            left.append(row[0])
-            right.append(row[-1])
+            return FirstRoot(True, 0.5 * (low + high))
+        left, right = _divided(b)
         middle = low + CUT * (high - low)
-        stack += [(middle, high, right[::-1]), (low, middle, left)]
-    return False, None
+        stack += [(middle, high, right), (low, middle, left)]  # the left one is next
+    return NO_ROOT
+
+
+def _divided(b: list[Number]) -> tuple[list[Number], list[Number]]:
+    """Return the Bernstein coefficients on both parts of an interval divided at CUT (de
+    Casteljau).
+    """
+    left = [b[0]]
+    right = [b[-1]]
+    row = b
+    while len(row) > 1:
+        row = [first + CUT * (second - first) for first, second in pairwise(row)]
+        left.append(row[0])
+        right.append(row[-1])
+    return left, right[::-1]
+
+
+def _derivative(p: list[Number]) -> list[Number]:
+    """Return the power coefficients of the derivative of a polynomial."""
+    return [k * term for k, term in enumerate(p)][1:]
+
+
+def _changes_once(values: list[Number], level: Number) -> bool:
+    """Return whether a sequence passes a level exactly once."""
+    return _count_changes([value > level for value in values]) == 1
 
 
 def bernstein(p: list[Number]) -> list[Number]:
@@ -170,7 +198,7 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
     # is replaced by a halving, whose length says nothing.
     sigma = 0.5 * (low + high)
     last_step = high - low
-    settled = eps**0.75
+    settled = eps**0.75  # from here on steps that no longer shrink are rounding
     for _ in range(20_000):  # at worst it halves its bracket: enough for thousands of digits
         value = _polynomial(p, sigma)
         rise = _polynomial(slope, sigma)
@@ -182,15 +210,17 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
             shift = -value / rise
         else:
             shift = high - low
-        if abs(shift) <= eps * sigma or (last_step <= abs(shift) <= settled * sigma):
+        is_rounding = last_step <= abs(shift) <= settled * sigma
+        if abs(shift) <= eps * sigma or is_rounding:
             return sigma
         if low < sigma + shift < high:
             sigma = sigma + shift
             last_step = abs(shift)
-        elif (following := 0.5 * (low + high)) in (low, high):
+            continue
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
             return sigma
-        else:
-            sigma = following
+        sigma = middle
     return sigma
 
 
@@ -228,10 +258,12 @@ class BackwardState(NamedTuple):
 
 
 class BackwardHit(NamedTuple):
-    """A contact in a step: whether it is a touch, its part of the step, and the boundary."""
+    """A contact in a step: whether it is a touch, after which share of the step, and the
+    boundary.
+    """
 
     touch: bool
-    part: Number
+    share: Number
     boundary: Boundary
 
 
@@ -269,6 +301,7 @@ class BackwardSteps:
         self.functions = functions
         self.eps = eps
         self.H = step / K.rate
+        # The boundaries of the domain: its number, and the direction into the domain.
         numbers = {1: ((1, -1),), 2: ((1, 1), (2, -1)), 3: ((2, 1),)}[domain]
         self.boundaries = [Boundary(n, belt_at(n, K).v, inward) for n, inward in numbers]
         self.touched = next(line for line in self.boundaries if line.number == boundary)
@@ -289,15 +322,16 @@ class BackwardSteps:
         self.drive_remainder = abs(power)
         self._matrix = None
         columns = []
+        if functions is not math:  # only doubles have a matrix
+            return
         # The matrix from (v, a, sin, cos) to all of a step at once: its columns are the steps from
-        # unit vectors. Only doubles have one.
-        for unit in np.eye(4).tolist() if functions is math else ():
+        # unit vectors.
+        for unit in np.eye(4).tolist():
             *T, behind = self._taylor(*unit)
             dv, slope, area = _changes_over(T, 1.0)
-            columns.append(
-                [*T, behind, *bernstein([0.0, *T[1:]]), dv, -slope / self.H, -self.H * area]
-            )
-            self._matrix = np.array(columns).T.copy()
+            end = (dv, -slope / self.H, -self.H * area)
+            columns.append([*T, behind, *bernstein([0.0, *T[1:]]), *end])
+        self._matrix = np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
         """Return the state at the tangency, where the steps begin.
@@ -335,7 +369,7 @@ class BackwardSteps:
             end = tuple(rows[-3:])
             low = v + min(changes)
             high = v + max(changes)
-        # The remainder is bounded by the last coefficient and the next one.
+        # The remainder is bounded by the last coefficient and the next one (`behind`).
         remainder = self.growth * (abs(behind) + K.w0 * H * abs(T[-1]) / n + self.drive_remainder)
         drive = abs(K.fB) * (1 + abs(theta) + K.Om * tau)
         rounding = BACKWARD_ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + drive) * H * H)
@@ -361,9 +395,11 @@ class BackwardSteps:
                     boundary.inward * (v - boundary.v),
                     *(boundary.inward * term for term in T[1:]),
                 ]
-            touch, sigma = first_root(p, noise, eps)
-            if sigma is not None and (hit is None or sigma < hit.part):
-                hit = BackwardHit(touch, sigma, boundary)
+            root = first_root(p, noise, eps)
+            if root.sigma is None:
+                continue
+            if hit is None or root.sigma < hit.share:
+                hit = BackwardHit(root.touch, root.sigma, boundary)
         return BackwardStep(state._replace(v_error=v_error, energy_error=energy_error), T, end, hit)
 
     def wave(self, theta: Number, tau: Number) -> tuple[Number, Number]:
@@ -496,6 +532,7 @@ class Flights:
         drive = abs(R2) + abs(I2)
         v_size = abs(v0) * (1 + K.w0sq * abs(E2)) + abs(K.fB) * drive
         x_size = abs(v0) * (abs(E1) + K.cm * abs(E2)) + abs(K.f0) * (drive + abs(E2))
+        # Rounding errors are taken to be less than 2^10 units of the sizes of the terms.
         noise = 2**10 * self.context.eps * (1 + abs(theta) + K.Om * tau)
         v_theta = (a - E1 * G1) / K.Om
         x_theta = (v + (E0 + K.cm * E1) * G1 / K.w0sq) / K.Om
@@ -505,9 +542,15 @@ class Flights:
         """Return the state from which a search backward can start at the time tau before the
         tangency.
         """
-        now = self.instant(theta, tau)
+        instant = self.instant(theta, tau)
         return BackwardState(
-            tau, now.dx, now.v, now.a, now.v_error, now.x_error, now.v_error * self.K.rate
+            tau,
+            instant.dx,
+            instant.v,
+            instant.a,
+            v_error=instant.v_error,
+            x_error=instant.x_error,
+            energy_error=instant.v_error * self.K.rate,
         )
 
     def refined(
@@ -519,25 +562,24 @@ class Flights:
         if arrival.kind in (NEVER, LARGE, LONG):
             return arrival
         tau = self.number(tau_max if arrival.kind == REACHED else arrival.tau)
+        speed = None
         if arrival.boundary:
             speed = self.number(self.p.belt(arrival.boundary))
-        else:
-            speed = None
-        if speed is not None:
-            begin = tau
-            time_error = abs(float(arrival.v_error) / (float(arrival.a) or 1.0))
+            searched_tau = tau
             tau = self._contact_time(theta, tau, speed, arrival.kind == TOUCH)
-            # Newton's method may carry a contact this far from where the search has found it, as a
-            # part of a step.
-            if tau is None or abs(tau - begin) > 1e-3 * STEP / float(self.K.rate) + time_error:
+            # How far Newton's method may carry a contact from where the search has found it.
+            time_error = abs(float(arrival.v_error) / (float(arrival.a) or 1.0))
+            farthest = MOST_SHIFT * STEP / float(self.K.rate) + time_error
+            if tau is None or abs(tau - searched_tau) > farthest:
                 return None
-        now = self.instant(theta, tau)
-        if speed is None:
-            v = now.v
-        else:
-            v = speed
+        instant = self.instant(theta, tau)
         return arrival._replace(
-            tau=tau, dx=now.dx, v=v, a=now.a, v_error=now.v_error, x_error=now.x_error
+            tau=tau,
+            dx=instant.dx,
+            v=instant.v if speed is None else speed,
+            a=instant.a,
+            v_error=instant.v_error,
+            x_error=instant.x_error,
         )
 
     def _contact_time(self, theta: Number, tau: Number, speed: Number, touch: bool) -> Number:
@@ -545,18 +587,18 @@ class Flights:
         `speed`.
         """
         last_shift = None
-        for _ in range(200):
-            now = self.instant(theta, tau)
+        for _ in range(MOST_CONTACT_NEWTON):
+            instant = self.instant(theta, tau)
+            is_of_fourth_order = abs(instant.b) * float(self.K.rate) < 1e-6 * abs(instant.w)
             if not touch:
-                residual = now.v - speed
-                slope = now.a
+                residual = instant.v - speed
+                slope = instant.a
+            elif is_of_fourth_order:
+                residual = instant.b
+                slope = instant.w
             else:
-                residual = now.a
-                slope = now.b
-            if touch and abs(now.b) * float(self.K.rate) < 1e-6 * abs(now.w):
-                # a touch of fourth order
-                residual = now.b
-                slope = now.w
+                residual = instant.a
+                slope = instant.b
             if slope == 0:
                 if residual == 0:
                     return tau
@@ -566,11 +608,8 @@ class Flights:
             tau = tau + shift
             if abs(shift) <= self.context.eps * 4 * abs(tau):
                 return tau
-            if (
-                last_shift is not None
-                and abs(shift) >= last_shift
-                and abs(shift) < self.context.eps**0.75 * abs(tau)
-            ):
+            is_small = abs(shift) < self.context.eps**0.75 * abs(tau)
+            if last_shift is not None and abs(shift) >= last_shift and is_small:  # rounding
                 return tau
             last_shift = abs(shift)
         return None
@@ -578,9 +617,8 @@ class Flights:
     def repeat_step(
         self, theta: Number, order: int, tau: float, step: float
     ) -> tuple[BackwardState | None, BackwardState]:
-        """Repeat the step at `tau` in more digits, with the length `step`.
-
-        Return contact (or None) and next state.
+        """Repeat the step at `tau` in more digits, with the length `step`; return its contact (or
+        None), and the state from which a search in doubles goes on.
         """
         if step not in self._steps:
             where = self.place
@@ -603,7 +641,9 @@ class Flights:
 
 def rounded(state: BackwardState) -> BackwardState:
     """Round a state to doubles; add the rounding errors to its error bounds."""
-    tau, dx, v, a, v_error, x_error, energy_error = map(float, state[:7])
+    tau, dx, v, a, v_error, x_error, energy_error, *_ = state
+    tau, dx, v, a = map(float, (tau, dx, v, a))
+    v_error, x_error, energy_error = map(float, (v_error, x_error, energy_error))
     eps = 2.0**-53
     return BackwardState(
         tau, dx, v, a, v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a)
@@ -682,8 +722,8 @@ class Origins:
                 if arrival.tau <= far:
                     return arrival
                 return self._state_at_limit(theta, order, state, far)
-            part = hit.part if hit else 1.0
-            if state.tau + part * steps.H > far:
+            share = hit.share if hit else 1.0
+            if state.tau + share * steps.H > far:
                 return self._state_at_limit(theta, order, state, far)
             if hit:
                 return steps.contact(step, hit)
@@ -717,18 +757,18 @@ class Origins:
         # alpha <= 0 it falls for ever.
         sign = self.steps.touched.inward
         boundary = self.steps.touched.v
-        away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
+        runs_away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
+        # The steady motion never exceeds V0.
         gap = K.V0 + state.v_error + 1e-9 * (abs(state.v) + K.V0)
-        return bool(away and sign * (u - boundary) > gap)
+        return bool(runs_away and sign * (u - boundary) > gap)
 
     def exact(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[BackwardState, Flights]:
         """Return where the flow came from with `wanted` decimals, and the `Flights` used.
 
-        `far`: time to search.
+        `far` returns the time to search back, as a number of the flights that it gets.
         """
-        # `far` is the time to search, as a number of the given flights.
         flights = self.flights(wanted + 20)
         doubles = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, 200))
         while True:

@@ -338,9 +338,8 @@ def _decide_random(
 
 
 def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
-    """Decide as `_decide_random` for phases at and beside zeros of G^(1) and multiples of pi/2.
-
-    Return such columns.
+    """Decide, as `_decide_random` does, which phases at and beside zeros of G^(1) and multiples of
+    pi/2 graze; return such columns.
     """
     import sympy
 
@@ -350,9 +349,8 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
         zeros = {
             end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)
         }
-    special = sorted(
-        zeros | {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}, key=float
-    )
+    quarters = {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}
+    special = sorted(zeros | quarters, key=float)
     offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in range(3, 15) for sign in (1, -1)]
     numbers = {base: ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10))) for base in special}
     rows = []
@@ -422,21 +420,18 @@ class Ways:
         return self.side * float(slope) / self.size
 
     def verdicts_by_sign(self, theta: np.ndarray) -> np.ndarray:
-        """Decide by the sign of G^(1), in doubles, which phases graze.
-
-        Return YES, NO or NOT_DECIDED for each.
+        """Return by the sign of G^(1), in doubles, whether each phase grazes: YES, NO or
+        NOT_DECIDED.
         """
         slope = self.slope(theta)
-        return np.where(
-            np.abs(slope) > FLOW_ROUNDING * EPS, np.where(slope > 0, YES, NO), NOT_DECIDED
-        )
+        decided = np.abs(slope) > FLOW_ROUNDING * EPS
+        return np.where(decided, np.where(slope > 0, YES, NO), NOT_DECIDED)
 
     def verdict_by_intervals(self, theta: Number, zero: bool) -> tuple[int, int]:
-        """Decide by the first G-function that is not 0, in 50-digit intervals.
+        """Return the verdict by the first G-function that is not 0, in 50-digit intervals, and the
+        order of this function (0 if the verdict is NOT_DECIDED).
 
-        Return the verdict and its order n.
-
-        The order is 0 if the verdict is NOT_DECIDED. `zero` tells that G^(1) is exactly 0 at theta.
+        `zero` tells that G^(1) is exactly 0 at theta.
         """
         # F = 0 at the contact, so G^(1) = -(k v + B0 Omega sin)/m. Where that is 0, G^(2) = -(B0
         # Omega/m) Omega cos decides. It is 0 too iff |k v| = |B0| Omega; then the next one decides.
@@ -463,15 +458,16 @@ class Ways:
             if is_zero == (0 not in G):  # undecided, or the interval contradicts the zero
                 break
             if not is_zero:
-                return (YES if order % 2 == 1 and bool(-self.side * G.a > 0) else NO), order
+                leads_back = bool(-self.side * G.a > 0)
+                verdict = YES if order % 2 == 1 and leads_back else NO
+                return verdict, order
         return NOT_DECIDED, 0
 
     # -- the exact flow ----------------------------------------------------------------------------
 
     def verdicts_by_flow(self, theta: np.ndarray) -> np.ndarray:
-        """Decide which phases graze by the exact flow shortly before and after.
-
-        NOT_DECIDED if the gap is too small.
+        """Decide which phases graze by the exact flow shortly before and after; NOT_DECIDED where
+        the gap is too small.
         """
         tau = FLOW_TIME / self.K.rate
         basis = self.fine.namespace["basis"]
@@ -479,17 +475,15 @@ class Ways:
         bases = [
             [float(value) for value in basis(convert(at), self.fine.K)[:5]] for at in (-tau, tau)
         ]
-        gaps = [
-            self._velocity_gap(base, np.sin(theta), np.cos(theta), self.v, self.K) for base in bases
-        ]
-        return _verdicts(
-            gaps, (FLOW_ROUNDING * EPS * self.size + self._third_order_bound(tau)) * tau**2
-        )
+        s = np.sin(theta)
+        c = np.cos(theta)
+        before, after = (self._velocity_gap(basis_at, s, c, self.v, self.K) for basis_at in bases)
+        least = (FLOW_ROUNDING * EPS * self.size + self._third_order_bound(tau)) * tau**2
+        return _verdicts(before, after, least)
 
     def verdict_by_fine_flow(self, theta: Number) -> int:
-        """Decide whether theta grazes by the flow in many digits.
-
-        NOT_DECIDED if verdicts at two distances differ.
+        """Decide whether theta grazes by the flow in many digits; NOT_DECIDED if the verdicts at two
+        distances differ.
         """
         context = self.fine.context
         s = context.sin(theta)
@@ -498,11 +492,9 @@ class Ways:
             self._velocity_gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases
         ]
         least = self.size * context.mpf(10) ** (20 - FLOW_DIGITS)
-        if any(
-            abs(gap) <= least * abs(basis[2])
-            for gap, basis in zip(gaps, self._fine_bases, strict=True)
-        ):
-            return NOT_DECIDED
+        for gap, (_, _, E2, _, _) in zip(gaps, self._fine_bases, strict=True):
+            if abs(gap) <= least * abs(E2):
+                return NOT_DECIDED
         # In the order of `_fine_bases`: before and after the contact, at the first time, then at the
         # second.
         before_1, after_1, before_2, after_2 = (gap > 0 for gap in gaps)
@@ -522,22 +514,18 @@ class Ways:
         return -self.side * dv
 
     def _third_order_bound(self, tau: float) -> float:
-        """Bound the terms of order tau^3 and higher in the velocity gap at the time tau.
-
-        Return the bound/tau^2.
+        """Return a bound of the terms of order tau^3 and higher in the velocity gap at the time tau,
+        divided by tau^2.
         """
-        return (
-            (abs(self.K.fB) * self.K.Om + self.K.cm * self.size + self.K.w0sq * self.size * tau)
-            * tau
-            / 3.0
-        )
+        K = self.K
+        jerk = abs(K.fB) * K.Om + K.cm * self.size + K.w0sq * self.size * tau
+        return jerk * tau / 3.0
 
     # -- DOP853 ------------------------------------------------------------------------------------
 
     def verdicts_by_solver(self, theta: np.ndarray) -> np.ndarray:
-        """Decide which phases graze by DOP853, run for all at once.
-
-        NOT_DECIDED where the gap is within its error.
+        """Decide which phases graze by DOP853, run for all at once; NOT_DECIDED where the gap is
+        within its error.
         """
         verdicts = np.zeros(len(theta), dtype=int)
         # What the long time leaves undecided, the short one may decide: its third-order term is small.
@@ -545,9 +533,11 @@ class Ways:
             left = np.nonzero(verdicts == NOT_DECIDED)[0]
             if len(left):
                 tau = time_over_rate / self.K.rate
-                gaps = [self.gap_by_solver(theta[left], sign * tau) for sign in (-1.0, 1.0)]
+                before = self.gap_by_solver(theta[left], -tau)
+                after = self.gap_by_solver(theta[left], tau)
                 # What the scaled result of DOP853 may be wrong by (measured: 1e-15).
-                verdicts[left] = _verdicts(gaps, 1e-13 + self._third_order_bound(tau) / self.size)
+                least = 1e-13 + self._third_order_bound(tau) / self.size
+                verdicts[left] = _verdicts(before, after, least)
         return verdicts
 
     def gap_by_solver(self, theta: np.ndarray, tau: float) -> np.ndarray:
@@ -575,10 +565,10 @@ class Ways:
         return -self.side * done.y[n:, -1]
 
 
-def _verdicts(gaps: list[np.ndarray], least: float) -> np.ndarray:
-    """Return YES where both gaps, before and after contact, are > 0, else NO.
-
-    NOT_DECIDED if one is within `least`.
+def _verdicts(before: np.ndarray, after: np.ndarray, least: float) -> np.ndarray:
+    """Return YES where the gaps before and after contact are both > 0, else NO; NOT_DECIDED where
+    one is within `least`.
     """
-    decided = (np.abs(gaps[0]) > least) & (np.abs(gaps[1]) > least)
-    return np.where(decided, np.where((gaps[0] > 0) & (gaps[1] > 0), YES, NO), NOT_DECIDED)
+    decided = (np.abs(before) > least) & (np.abs(after) > least)
+    grazes = (before > 0) & (after > 0)
+    return np.where(decided, np.where(grazes, YES, NO), NOT_DECIDED)

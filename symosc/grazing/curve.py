@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
 from math import cos, exp, inf, nan, pi, sin
+from typing import NamedTuple
 
 import numpy as np
 
@@ -61,6 +62,13 @@ LEAST_STEPS = 50
 
 #: The slope of the start's phase among flows that start at a graze too.
 SLOPE_OF_TOUCHES = 1.0
+#: exp of more overflows.
+LARGEST_EXPONENT = 700.0
+#: A change of theta_i between samples that is always continuous.
+SMALL_CHANGE = 0.2
+#: How often an edge is halved: down to rounding, or a few times where a search ended.
+MOST_HALVINGS = 50
+FEW_HALVINGS = 8
 
 #: Where the flow of a sample came from.
 OWN = "own belt"
@@ -274,9 +282,8 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
     first = samples[0].theta_m
     last = samples[-1].theta_m
     margin = 0.1 * (last - first)
-    has_few = (
-        sum(first + margin < sample.theta_m < last - margin for sample in samples) < PIECE_POINTS
-    )
+    inside = [s for s in samples if first + margin < s.theta_m < last - margin]
+    has_few = len(inside) < PIECE_POINTS
     if has_few and last - first >= FINEST_CURVE:
         between = [
             tracer.sample(float(theta)) for theta in np.linspace(first, last, PIECE_POINTS)[1:-1]
@@ -285,8 +292,10 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
         samples = sorted([*samples, *inner], key=lambda sample: sample.theta_m)
     names = ("theta_m", "x_m", "theta", "x", "slope_theta", "slope_x")
     columns = {name: np.array([getattr(sample, name) for sample in samples]) for name in names}
-    low = CurveEnd(run.span[0], samples[0].x, samples[0].theta, run.reasons[0])
-    high = CurveEnd(run.span[1], samples[-1].x, samples[-1].theta, run.reasons[1])
+    low_phase, high_phase = run.span
+    low_reason, high_reason = run.reasons
+    low = CurveEnd(low_phase, samples[0].x, samples[0].theta, low_reason)
+    high = CurveEnd(high_phase, samples[-1].x, samples[-1].theta, high_reason)
     return CurvePiece(**columns, low=low, high=high)
 
 
@@ -321,15 +330,8 @@ class Tracer(Origins):
 
     def sample(self, theta_m: float, careful: bool = True) -> Sample:
         """Return the sample at theta_m; without `careful` an undecided contact counts as a graze."""
-        top = abs(self.p.B0 * self.p.Omega)
-        level = self.K.w0sq * self.v
         K = self.K
-        # At |k v_lambda| = |B0| Omega so small a G^(1) is that of the tangency of fourth order.
-        flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
-        if flat and abs(self.p.k * self.p.belt(self.place.boundary)) == top:
-            order = 3
-        else:
-            order = 1
+        order = self._order_at(theta_m)
         steps = max(LEAST_STEPS, min(MOST_BACKWARD_STEPS, self.steps_left))
         arrival = self.arrival(theta_m, order, digits=30, repeats=int(careful), most_steps=steps)
         tau = float(arrival.tau)
@@ -338,27 +340,47 @@ class Tracer(Origins):
         self.steps_left -= int(tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)
         if arrival.kind not in (CONTACT, TOUCH):
-            return Sample(
-                theta_m, x_m, NOWHERE if arrival.kind == NEVER else UNKNOWN, nan, nan, nan, nan
-            )
+            origin = NOWHERE if arrival.kind == NEVER else UNKNOWN
+            return Sample(theta_m, x_m, origin, x=nan, theta=nan, slope_x=nan, slope_theta=nan)
+        # How the start moves along the curve, by the implicit function theorem: there v is that of
+        # the belt. `growth` is that of a flow followed back.
         G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
         E0, E1, *_ = basis(tau, K)
-        growth = exp(min(K.cm * tau, 700.0))
-        if a != 0.0:
+        growth = exp(min(K.cm * tau, LARGEST_EXPONENT))
+        if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
+            slope_theta = SLOPE_OF_TOUCHES
+        elif a != 0.0:
             slope_theta = -growth * E1 * G1 / a
         else:
             slope_theta = inf
-        if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
-            slope_theta = SLOPE_OF_TOUCHES
         slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
         if arrival.boundary == self.place.boundary:
             origin = OWN
         else:
             origin = OTHER
-        undecided = not careful and arrival.kind == TOUCH
         return Sample(
-            theta_m, x_m, origin, x_m + dx, theta_m - K.Om * tau, slope_x, slope_theta, undecided
+            theta_m,
+            x_m,
+            origin,
+            x=x_m + dx,
+            theta=theta_m - K.Om * tau,
+            slope_x=slope_x,
+            slope_theta=slope_theta,
+            undecided=not careful and arrival.kind == TOUCH,
         )
+
+    def _order_at(self, theta_m: float) -> int:
+        """Return the order of the first G-function that does not vanish at the tangency: 1, or 3
+        where it is one of fourth order.
+        """
+        K = self.K
+        level = K.w0sq * self.v
+        # At |k v_lambda| = |B0| Omega so small a G^(1) is that of the tangency of fourth order.
+        is_flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
+        pull = abs(self.p.k * self.p.belt(self.place.boundary))
+        if is_flat and pull == abs(self.p.B0 * self.p.Omega):
+            return 3
+        return 1
 
 
 # --- pieces ---
@@ -368,12 +390,13 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
     """Return n phases in an arc, densest near open ends, with both ends of a closed one included."""
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
+    # Chebyshev's nodes.
     waves = column_functions()["cos"](pi * (np.arange(n - 2) + 0.5) / (n - 2))
     inner = 0.5 * (low + high) - 0.5 * (high - low) * waves
     gap = 1e-7 * (high - low)  # how near to an open end of the window the curve is sampled
-    return np.concatenate(
-        [[low + gap], inner[(inner > low + gap) & (inner < high - gap)], [high - gap]]
-    )
+    first = low + gap
+    last = high - gap
+    return np.concatenate([[first], inner[(inner > first) & (inner < last)], [last]])
 
 
 @dataclass
@@ -398,8 +421,8 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
     """Split the samples of an arc into runs where the origin of the flow changes or the start
     jumps.
     """
-    low, high, closed = arc
-    if closed:
+    low, high, is_closed = arc
+    if is_closed:
         limit = "closed"
     else:
         limit = "end of the window"
@@ -411,29 +434,29 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
     while ahead:
         left = run[-1]
         right = ahead[-1]
-        own = left.origin == right.origin == OWN
+        are_own = left.origin == right.origin == OWN
         distance = right.theta_m - left.theta_m
-        if own and distance > FINEST_CURVE and not _continuous(left, right):  # steep
+        if are_own and distance > FINEST_CURVE and not _continuous(left, right):
+            # Steep, or a jump: a sample between them tells.
             ahead.append(tracer.sample(0.5 * (left.theta_m + right.theta_m)))
             continue
-        edges = _edge(tracer, left, right)
-        if edges is None:
+        edge = _edge(tracer, left, right)
+        if edge is None:
             run.append(ahead.pop())
             continue
-        new_before, new_behind, border = edges
-        run += new_before
+        run += edge.before
         last_before = run[-1]
-        first_behind = new_behind[-1]
+        first_behind = edge.behind[-1]
         end_reason = _end_reason(tracer, last_before, first_behind)
-        runs.append(PhaseRun(run, (begin, border), (reason, end_reason)))
-        begin = border
+        runs.append(PhaseRun(run, (begin, edge.theta_m), (reason, end_reason)))
+        begin = edge.theta_m
         reason = _end_reason(tracer, first_behind, last_before)
-        ahead[-1:] = new_behind  # in place of `right`, which is the first of them
+        ahead[-1:] = edge.behind  # in place of `right`, which is the first of them
         run = [ahead.pop()]
     runs.append(PhaseRun(run, (begin, high), (reason, limit)))
     first = runs[0]
     last = runs[-1]
-    if not closed or first is last or first.origin != last.origin:
+    if not is_closed or first is last or first.origin != last.origin:
         return runs
     # The last run of a full circle is joined to the first, one turn later.
     turn = 2 * pi
@@ -441,11 +464,12 @@ def _cut(tracer: Tracer, samples: list[Sample], arc: tuple[float, float, bool]) 
         replace(sample, theta_m=sample.theta_m + turn, theta=sample.theta + turn)
         for sample in first.samples[1:]
     ]
-    reasons = last.reasons[0], first.reasons[1]
-    return [
-        *runs[1:-1],
-        PhaseRun(last.samples + later, (last.span[0], first.span[1] + turn), reasons),
-    ]
+    begin, _ = last.span
+    _, end = first.span
+    begin_reason, _ = last.reasons
+    _, end_reason = first.reasons
+    joined = PhaseRun(last.samples + later, (begin, end + turn), (begin_reason, end_reason))
+    return [*runs[1:-1], joined]
 
 
 def _continuous(left: Sample, right: Sample) -> bool:
@@ -454,18 +478,23 @@ def _continuous(left: Sample, right: Sample) -> bool:
     """
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
-    # Written so that nan counts as continuous.
-    return not abs(change) > 0.2 or abs(change - expected) <= 0.25 * abs(change)
+    is_large = abs(change) > SMALL_CHANGE  # so nan counts as continuous
+    return not is_large or abs(change - expected) <= 0.25 * abs(change)
 
 
-def _edge(
-    tracer: Tracer, left: Sample, right: Sample
-) -> tuple[list[Sample], list[Sample], float] | None:
+class Edge(NamedTuple):
+    """A change of origin, or a jump of the start, at `theta_m`: new samples before it, and those
+    behind it, the one that is farthest from it first.
+    """
+
+    before: list[Sample]
+    behind: list[Sample]
+    theta_m: float
+
+
+def _edge(tracer: Tracer, left: Sample, right: Sample) -> Edge | None:
     """Locate the change of origin, or the jump of the start, between two samples; None if there is
-    none.
-
-    Return the new samples on the left, those on the right (`right` first, then to the left), and
-    theta_m of the change.
+    none. The first sample behind it is `right`.
     """
     # Jumps among flows from the other belt are no edges, but something may hide behind them.
     if left.origin == right.origin and _continuous(left, right):
@@ -474,7 +503,8 @@ def _edge(
     rights = [right]
     # Down to rounding, but not where the search ends in one of them: that is not an end of the
     # curve.
-    for _ in range(8 if UNKNOWN in (left.origin, right.origin) else 50):
+    rounds = FEW_HALVINGS if UNKNOWN in (left.origin, right.origin) else MOST_HALVINGS
+    for _ in range(rounds):
         theta = 0.5 * (left.theta_m + right.theta_m)
         if not left.theta_m < theta < right.theta_m:
             break
@@ -492,15 +522,13 @@ def _edge(
         else:
             right = middle
             rights.append(middle)
-    if left.origin == right.origin and (
-        left.origin != OWN or abs(right.theta - left.theta) < CURVE_JUMP
-    ):
+    is_jump = left.origin == OWN and not abs(right.theta - left.theta) < CURVE_JUMP
+    if left.origin == right.origin and not is_jump:
         return None
-    border = 0.5 * (left.theta_m + right.theta_m)
-    return (
+    return Edge(
         [sample for sample in lefts if not sample.undecided],
         [sample for sample in rights if not sample.undecided],
-        border,
+        0.5 * (left.theta_m + right.theta_m),
     )
 
 

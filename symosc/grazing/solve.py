@@ -280,6 +280,16 @@ class Point(NamedTuple):
     tau: float
 
 
+class Residual(NamedTuple):
+    """By how much the unknown at the start of a flight misses its value, with the derivatives by
+    theta_m and by the flight time tau.
+    """
+
+    value: Number
+    by_theta: Number
+    by_tau: Number
+
+
 class Candidates:
     """A search for solutions on a grazing curve: `phases` collects their theta_m, `notes` says what
     was omitted.
@@ -331,62 +341,68 @@ class Candidates:
         """Find the solutions on a piece of the curve and store them."""
         points = self._points(piece)
         values = np.array([point.value for point in points])
-        # Each end of the curve, the outermost point there, and its index.
-        ends = (piece.low, points[0], 0), (piece.high, points[-1], -1)
+        self._extrema = dict[Point, Point | None]()  # of this piece, by the point before
+        # Each end of the curve, and the outermost point there.
+        ends = ((piece.low, points[0]), (piece.high, points[-1]))
         targets = [self.target]
-        extrema = dict[Point, Point | None]()
         if self.name == "theta_i":  # values that differ by whole turns
             turn = 2 * self.flights.context.pi
             reach = (values.min() - 1e-3, values.max() + 1e-3)
             low, high = (int(np.floor((end - float(self.target)) / (2 * pi))) for end in reach)
             targets = [self.target + j * turn for j in range(low, high + 2)]
         for target in targets:
-            wanted = float(target)
-            for end, point, _ in ends:  # between the last sample and the end of the curve
-                gap = abs(end.theta_m - point.theta_m)
-                reachable = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
-                if gap > 0 and abs(wanted - point.value) <= reachable:
-                    self._store_if_between(
-                        self._newton(point.theta_m, point.tau, target), point, point, gap
-                    )
+            for end, point in ends:
+                self._beside_end(end, point, target)
             for first, last in pairwise(points):
-                turning = None
-                if first.slope * last.slope < 0:  # an extremum between them may reach the value
-                    steepest = max(abs(first.slope), abs(last.slope)) * (
-                        last.theta_m - first.theta_m
-                    )
-                    if min(abs(first.value - wanted), abs(last.value - wanted)) <= steepest:
-                        if first not in extrema:
-                            extrema[first] = self._extremum(first, last)
-                        turning = extrema[first]
-                if turning is None:
-                    passed = [first, last]
-                else:
-                    passed = [first, turning, last]
-                crossed = [
-                    pair
-                    for pair in pairwise(passed)
-                    if (pair[0].value >= wanted) != (pair[1].value >= wanted)
-                ]
-                for pair in crossed:
-                    self._between(*pair, target)
-                if (
-                    turning
-                    and not crossed
-                    and abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value))
-                ):
-                    self._store_if_between(
-                        self._newton(turning.theta_m, turning.tau, target), first, last
-                    )
-        for endless in ends:
-            self._note_endless(*endless, piece)
+                self._on_stretch(first, last, target)
+        for index, (end, point) in zip((0, -1), ends, strict=True):
+            self._note_endless(end, point, index, piece)
+
+    def _beside_end(self, end: CurveEnd, point: Point, target: Number) -> None:
+        """Store the solution between the outermost point and the end of the curve, if there is
+        one.
+        """
+        gap = abs(end.theta_m - point.theta_m)
+        reachable = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
+        if gap > 0 and abs(float(target) - point.value) <= reachable:
+            solution = self._newton(point.theta_m, point.tau, target)
+            self._store_if_between(solution, point, point, gap)
+
+    def _on_stretch(self, first: Point, last: Point, target: Number) -> None:
+        """Store the solutions between two neighbouring points: where the unknown passes the target,
+        or has it as an extreme value.
+        """
+        wanted = float(target)
+        turning = None
+        if first.slope * last.slope < 0:  # an extremum between them may reach the value
+            steepest = max(abs(first.slope), abs(last.slope))
+            largest_change = steepest * (last.theta_m - first.theta_m)
+            nearest = min(abs(first.value - wanted), abs(last.value - wanted))
+            if nearest <= largest_change:
+                if first not in self._extrema:
+                    self._extrema[first] = self._extremum(first, last)
+                turning = self._extrema[first]
+        if turning is None:
+            passed = [first, last]
+        else:
+            passed = [first, turning, last]
+        crosses = False
+        for before, after in pairwise(passed):
+            if (before.value >= wanted) != (after.value >= wanted):
+                crosses = True
+                self._between(before, after, target)
+        if turning is None or crosses:
+            return
+        if abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value)):
+            solution = self._newton(turning.theta_m, turning.tau, target)
+            self._store_if_between(solution, first, last)
 
     def _points(self, piece: CurvePiece) -> list[Point]:
-        """Return a piece's samples as points.
-
-        Add the end of the piece if the flights become infinitely short there.
+        """Return a piece's samples as points, and the end of the piece too if the flights become
+        infinitely short there.
         """
-        points = [Point(*map(float, row)) for row in zip(*self._columns(piece), strict=True)]
+        columns: Any = self._point_of(piece)
+        points = [Point(*map(float, row)) for row in zip(*columns, strict=True)]
         # From the back: an insertion moves what follows.
         for end, index in ((piece.high, len(points)), (piece.low, 0)):
             outermost = points[min(index, len(points) - 1)]
@@ -400,17 +416,16 @@ class Candidates:
                 points.insert(index, Point(end.theta_m, float(value), outermost.slope, 0.0))
         return points
 
-    def _columns(self, of: CurvePiece | Sample) -> tuple[Any, Any, Any, Any]:
-        """Return theta_m, the unknown (x_i or theta_i), its slope by theta_m, and the flight time
-        of `of`.
-        """
+    def _point_of(self, source: CurvePiece | Sample) -> Point:
+        """Return a sample as a point; of a piece, arrays of its samples in place of numbers."""
         if self.name == "x_i":
-            value = of.x
-            slope = of.slope_x
+            value: Any = source.x
+            slope: Any = source.slope_x
         else:
-            value = of.theta
-            slope = of.slope_theta
-        return of.theta_m, value, slope, (of.theta_m - of.theta) / self.K.Om
+            value = source.theta
+            slope = source.slope_theta
+        theta_m: Any = source.theta_m
+        return Point(theta_m, value, slope, (theta_m - source.theta) / self.K.Om)
 
     def _extremum(self, first: Point, last: Point) -> Point | None:
         """Return the point between two points where the unknown is extreme; None at a break of the
@@ -418,19 +433,16 @@ class Candidates:
         """
         for _ in range(NEWTON_HALVINGS):
             middle = self._sampled(0.5 * (first.theta_m + last.theta_m))
-            if (
-                middle is None
-                or not first.theta_m < middle.theta_m < last.theta_m
-                or middle.slope == 0.0
-            ):
+            if middle is None or middle.slope == 0.0:
+                return middle
+            if not first.theta_m < middle.theta_m < last.theta_m:  # doubles end here
                 return middle
             if middle.slope * last.slope > 0:
                 last = middle
             else:
                 first = middle
-            if abs(first.slope) * (last.theta_m - first.theta_m) < 1e-15 * max(
-                1.0, abs(first.value)
-            ):
+            change = abs(first.slope) * (last.theta_m - first.theta_m)
+            if change < 1e-15 * max(1.0, abs(first.value)):
                 break
         return first
 
@@ -440,7 +452,7 @@ class Candidates:
         """
         sample = self.curve.sample(theta_m)
         if sample.origin == OWN:
-            return Point(*self._columns(sample))
+            return self._point_of(sample)
         return None
 
     # -- Newton's method ---------------------------------------------------------------------------
@@ -453,9 +465,12 @@ class Candidates:
         for _ in range(NEWTON_HALVINGS):
             if first in self._broken:
                 return
-            gaps = first.value - wanted, last.value - wanted
-            if gaps[0] != gaps[1]:
-                fraction = gaps[0] / (gaps[0] - gaps[1])
+            # Newton's method from where the chord has the value; if that fails, the half of the
+            # stretch that has it.
+            first_gap = first.value - wanted
+            last_gap = last.value - wanted
+            if first_gap != last_gap:
+                fraction = first_gap / (first_gap - last_gap)
             else:
                 fraction = 0.5
             theta_m = first.theta_m + fraction * (last.theta_m - first.theta_m)
@@ -474,24 +489,21 @@ class Candidates:
             else:
                 last = middle
         is_touch = self.curve.sample(theta_m).slope_theta == curves.SLOPE_OF_TOUCHES
-        if is_touch and self._store_if_between(
-            self._solve_among_grazes(theta_m, target), first, last
-        ):
-            return
+        if is_touch:
+            solution = self._solve_among_grazes(theta_m, target)
+            if self._store_if_between(solution, first, last):
+                return
         self._broken.add(first)
         broken = "a solution could not be distinguished from a break of the curve"
         self.notes.append(f"near theta_m = {first.theta_m:.12g} {broken}")
 
-    def _equation(
-        self, theta: Number, tau: Number, now: Instant, target: Number
-    ) -> tuple[Number, Number, Number]:
-        """Return x_i or theta_i at the start `now` of a flight, minus `target`; and the derivatives
-        by theta, tau.
-        """
+    def _equation(self, theta: Number, tau: Number, start: Instant, target: Number) -> Residual:
+        """Return by how much x_i or theta_i at the `start` of a flight misses `target`."""
         if self.name == "x_i":
-            return self.flights.contact(theta) + now.dx - target, now.x_theta, -now.v
+            gap = self.flights.contact(theta) + start.dx - target
+            return Residual(gap, start.x_theta, -start.v)
         Om = self.flights.K.Om
-        return theta - Om * tau - target, 1, -Om
+        return Residual(theta - Om * tau - target, 1, -Om)
 
     def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
         """Find (theta_m, tau) of the flight with x_i or theta_i = `target` by Newton's method from
@@ -503,21 +515,25 @@ class Candidates:
         tau = context.mpf(tau)
         settled = False
         for _ in range(MOST_CURVE_NEWTON):
-            now = self.flights.instant(theta, tau)
-            gap = now.v - self.flights.v
-            residual, by_theta, by_tau = self._equation(theta, tau, now, target)
-            determinant = now.v_theta * by_tau + now.a * by_theta
+            # Two equations: v at the start is that of the belt (by tau: -a, as tau runs backward),
+            # and the unknown has the value.
+            start = self.flights.instant(theta, tau)
+            gap = start.v - self.flights.v
+            residual, by_theta, by_tau = self._equation(theta, tau, start, target)
+            determinant = start.v_theta * by_tau + start.a * by_theta
             if determinant == 0:
                 return None
-            theta_step = (-gap * by_tau - residual * now.a) / determinant
-            tau_step = (gap * by_theta - residual * now.v_theta) / determinant
+            theta_step = (-gap * by_tau - residual * start.a) / determinant
+            tau_step = (gap * by_theta - residual * start.v_theta) / determinant
             theta = theta + theta_step
             tau = tau + tau_step
             if settled:  # one step after that has all digits
                 if tau > 0:
                     return (theta, tau)
                 return None
-            if abs(theta_step) > 7 or abs(tau_step) > 1 / K.rate + 3 / K.Om or tau <= 0:
+            # More than a turn, or than about a period, leads to another solution.
+            is_too_far = abs(theta_step) > 7 or abs(tau_step) > 1 / K.rate + 3 / K.Om
+            if is_too_far or tau <= 0:
                 return None
             shrunk = context.eps**0.6
             settled = abs(theta_step) <= shrunk * (1 + abs(theta)) and abs(tau_step) <= shrunk * tau
@@ -548,28 +564,29 @@ class Candidates:
     def _store_if_between(
         self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0
     ) -> bool:
-        """Store a solution if it lies between two points of the curve, give or take `more`.
-
-        Return whether it does.
+        """Store a solution if it lies between two points of the curve, give or take a phase `more`,
+        and return whether it does.
         """
         if solution is None:
             return False
         theta, tau = solution
         theta_slack = 1e-14 * max(1.0, abs(float(theta))) + more
         low, high = sorted((first.tau, last.tau))
+        short_time = 1e-3 / self.K.rate
+        # The flight time need not be monotone between them.
         tau_slack = (
-            1e-9 * max(high, 1e-3 / self.K.rate)
-            + 0.1 * (high - low)
-            + (1e-3 / self.K.rate if more else 0.0)
+            1e-9 * max(high, short_time) + 0.1 * (high - low) + (short_time if more else 0.0)
         )
         is_phase_between = first.theta_m - theta_slack <= float(theta) <= last.theta_m + theta_slack
-        if not (is_phase_between and low - tau_slack <= float(tau) <= high + tau_slack):
+        is_time_between = low - tau_slack <= float(tau) <= high + tau_slack
+        if not (is_phase_between and is_time_between):
             return False
         turn = 2 * self.flights.context.pi
         theta -= turn * self.flights.context.floor(theta / turn)
         for angle, time in self._solutions:
             apart = abs(angle - theta)
-            if min(apart, turn - apart) < SAME_ROOT and abs(time - tau) < 1e-9 * max(tau, 1e-9):
+            is_same_phase = min(apart, turn - apart) < SAME_ROOT
+            if is_same_phase and abs(time - tau) < 1e-9 * max(tau, 1e-9):  # stored already
                 return True
         self._solutions.append((theta, tau))
         return True
@@ -588,8 +605,9 @@ class Candidates:
         # The end of a curve that doubles still resolve, over its slope there: more means that it
         # has no limit.
         rise = abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m)
-        steep = not rise < 1e-4  # or nan
-        if steep and (self.name != "x_i" or abs(float(self.target)) > abs(point.value)):
+        is_endless = not rise < 1e-4  # or nan
+        is_beyond = self.name != "x_i" or abs(float(self.target)) > abs(point.value)
+        if is_endless and is_beyond:
             last = f"theta = {piece.theta[index]:.6g}, x = {piece.x[index]:.6g}"
             ends = f"at theta_m = {end.theta_m:.12g} the curve goes on for ever"
             self.notes.append(

@@ -378,6 +378,20 @@ class GrazingVerdict(LatexAnswer):
         return rf"{shown}:\quad \text{{{'it grazes' if self.grazing else 'it does not graze'}}}"
 
 
+def _reason_of_verdict(order: int, grazing: bool) -> str:
+    """Return what the first G-function that does not vanish, of this order, says about the flow."""
+    if order == 0:
+        return "F does not vanish: the flow is transversal"
+    if order % 2 == 0:
+        return (
+            f"the first G-function that does not vanish has even order {order}: the flow "
+            "passes with an inflection"
+        )
+    if grazing:
+        return f"F = 0 and G^({order}) leads back into the domain"
+    return f"G^({order}) leads out of the domain: there is no flow of it near"
+
+
 @public
 def is_grazing(
     p: ParametersLike,
@@ -438,7 +452,7 @@ def is_grazing(
     value = sum(terms)
     size = sum(abs(term) for term in terms)
     before = v
-    sines = (context.sin(angle), context.cos(angle))
+    waves = (context.sin(angle), context.cos(angle))
     values = list[float]()
     margins = list[float]()
     grazing = False
@@ -455,23 +469,14 @@ def is_grazing(
         if margin > tolerance:
             last = order
             grazing = order % 2 == 1 and where.side * value < 0
-            if order == 0:
-                reason = "F does not vanish: the flow is transversal"
-            elif order % 2 == 0:
-                reason = (
-                    f"the first G-function that does not vanish has even order {order}: the flow "
-                    "passes with an inflection"
-                )
-            elif grazing:
-                reason = f"F = 0 and G^({order}) leads back into the domain"
-            else:
-                reason = f"G^({order}) leads out of the domain: there is no flow of it near"
+            reason = _reason_of_verdict(order, grazing)
             break
         # This G counts as 0 in the next one, so that its rounding does not decide there. The
         # derivatives of the drive run through -sin, -cos, sin, cos, and enter with a minus.
-        now = 0 * value
-        forcing = f0 * Om ** (order + 1) * sines[order % 2] * (1 if order % 4 < 2 else -1)
-        value = next_derivative(now, before, forcing, cm, w0sq)
+        zero = 0 * value
+        sign = 1 if order % 4 < 2 else -1
+        forcing = f0 * Om ** (order + 1) * waves[order % 2] * sign
+        value = next_derivative(zero, before, forcing, cm, w0sq)
         size = abs(forcing) + abs(w0sq * before) + abs(f0) * Om ** (order + 1)
-        before = now
+        before = zero
     return GrazingVerdict(grazing, last, tuple(values), tuple(margins), tolerance, reason)

@@ -183,15 +183,17 @@ class GrazingWindow(Drawable, LatexAnswer):
         Points of the circle: an arc through 0 is two intervals, one from 0 (closed) and one up to 2
         pi (open).
         """
-        end = double_double.TWO_PI_PAIR[0]
-        if self.kind in (EMPTY, EVERYTHING):
-            if self.kind == EVERYTHING:
-                return ((0.0, end, True, False),)
+        turn, _ = double_double.TWO_PI_PAIR  # the double next to 2 pi, and what it lacks
+        is_closed = True
+        if self.kind == EMPTY:
             return ()
+        if self.kind == EVERYTHING:
+            return ((0.0, turn, is_closed, not is_closed),)
         low, high = self.ends
         if self.kind == cases.ARC:
-            return ((low, high, False, False),)
-        return (0.0, high, True, False), (low, end, False, False)
+            return ((low, high, not is_closed, not is_closed),)
+        first = (0.0, high, is_closed, not is_closed)
+        return first, (low, turn, not is_closed, not is_closed)
 
     @cached_property
     def ends(self) -> tuple[float, float]:
@@ -199,20 +201,24 @@ class GrazingWindow(Drawable, LatexAnswer):
 
         The first is the larger if the arc goes through 0.
         """
-        if self.kind == cases.ALL_BUT_ONE:
-            if self.signs[0] * self.signs[1] < 0:
-                point = double_double.HALF_PI[0]
+        gamma_sign, amplitude_sign, _ = self.signs
+        if self.kind == cases.ALL_BUT_ONE:  # where the sine is 1 or -1
+            if gamma_sign * amplitude_sign < 0:
+                point, _ = double_double.HALF_PI
             else:
                 point = double_double.THREE_HALVES_PI
             return point, point
+        # Both phases with G^(1) = 0: Theta_cr, a turn later if it is negative, and its mirror image.
         context = mp_context(WINDOW_DIGITS)
         theta_cr = self.critical_phase()
-        ends = context.pi - theta_cr, (2 * context.pi if theta_cr < 0 else 0) + theta_cr
-        if self.place.side * self.signs[1] < 0:
-            low, high = ends
+        mirrored = context.pi - theta_cr
+        rising = (2 * context.pi if theta_cr < 0 else 0) + theta_cr
+        if self.place.side * amplitude_sign < 0:
+            low, high = mirrored, rising
         else:
-            low, high = ends[::-1]
-        return float(low), float(high) if high != 0 else double_double.TWO_PI_PAIR[0]
+            low, high = rising, mirrored
+        turn, _ = double_double.TWO_PI_PAIR
+        return float(low), float(high) if high != 0 else turn
 
     def critical_phase(self) -> Number:
         """Return Theta_cr as an mpmath number of 30 digits; nan where it does not exist."""
@@ -258,8 +264,10 @@ class GrazingWindow(Drawable, LatexAnswer):
             raise ParameterError("theta", theta[~np.isfinite(theta)][0], "must be finite")
         if self.kind in (EMPTY, EVERYTHING):
             return np.full(theta.shape, self.kind == EVERYTHING)
+        # gamma + amplitude sin(theta), divided by the amplitude, has the sign that decides.
+        _, amplitude_sign, _ = self.signs
         distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
-        inside = distance * (self.place.side * self.signs[1]) > 0
+        inside = distance * (self.place.side * amplitude_sign) > 0
         # numpy's sine is right to 1e-15; phases nearer to an end are decided exactly.
         close = np.nonzero(np.abs(distance) <= 1e-12)
         for index in zip(*close, strict=True):
@@ -373,9 +381,11 @@ class GrazingWindow(Drawable, LatexAnswer):
         gamma, size, amplitude = (
             latex(rational(q)) for q in (self.gamma, abs(self.gamma), abs(self.amplitude))
         )
+        _, _, excess_sign = self.signs
+        relation = {0: "=", 1: ">", -1: "<"}[excess_sign]
         return (
             rf"P_{{{number}}}:\quad \gamma_{{{number}}} = \frac{{k}}{{m}} v_{{{belt}}} = "
-            rf"{gamma},\quad |\gamma_{{{number}}}| = {size} {'=><'[self.signs[2]]} {amplitude} = "
+            rf"{gamma},\quad |\gamma_{{{number}}}| = {size} {relation} {amplitude} = "
             rf"\frac{{|B_0|}}{{m}}\,\Omega:\quad \mathrm{{mod}}(\Omega t_m, 2\pi) \in "
             rf"{latex(self.phases)}"
         )
@@ -421,7 +431,8 @@ def angle_text(sign: int, sine: Fraction, halves: Fraction | int) -> str:
 
 def critical_text(window: GrazingWindow) -> str:
     """Return Theta_cr as text, "none" where it does not exist."""
-    if window.amplitude == 0 or window.signs[2] > 0:
+    _, _, excess_sign = window.signs  # of |gamma| - |amplitude|
+    if window.amplitude == 0 or excess_sign > 0:
         return "none"
     return angle_text(1, -window.gamma / window.amplitude, 0)
 
@@ -432,7 +443,8 @@ def phases_text(window: GrazingWindow) -> str:
         if window.kind == EVERYTHING:
             return "[0, 2*pi)"
         return "empty"
-    above = window.place.side * window.signs[1] > 0
+    _, amplitude_sign, _ = window.signs
+    above = window.place.side * amplitude_sign > 0  # it grazes where the sine is larger
     sine = -window.gamma / window.amplitude
     if window.kind == cases.ALL_BUT_ONE:
         if above:
@@ -552,11 +564,9 @@ def grazing_windows(
     else:
         shape = ()
     size = math.prod(shape)
-    pairs = [
-        column
-        for name in names
-        for column in _pair_columns(arrays.get(name), getattr(p, name), size)
-    ]
+    pairs = list[np.ndarray]()
+    for name in names:
+        pairs += _pair_columns(arrays.get(name), getattr(p, name), size)
     columns = WindowColumns(np.empty(size, np.int8), *(np.empty(size) for _ in range(3)))
     _window_loop()(tuple(pairs), where.side, full, tuple(columns))
     for i in np.flatnonzero(columns.kind == cases.EQUALITY_UNDECIDED):
