@@ -651,6 +651,7 @@ class BoxEquations:
         """
         for leg, cuts in zip(self.legs, plan.cuts, strict=True):
             piece = leg.piece
+            # For each belt that it may meet: from which side, and the speed.
             sides = {
                 belt: (1 if piece.mode > belt else -1, o.speed[belt])
                 for belt in belts_around(piece.mode)
@@ -662,11 +663,8 @@ class BoxEquations:
                 else:
                     sides[1] = -1, -o.speed[1]
             for belt, (side, speed) in sides.items():
-                if (
-                    belt == piece.start == piece.end
-                    and cuts is not None
-                    and self.stays(o, leg, u, cuts)
-                ):
+                returns = belt == piece.start == piece.end
+                if returns and cuts is not None and self.stays(o, leg, u, cuts):
                     continue
                 # How many of g and g' are 0 where the flight starts; `SignedGap.at_start`.
                 if belt != piece.start:

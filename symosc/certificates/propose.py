@@ -807,23 +807,8 @@ def _cycle(orbit: OrbitInDigits, place: int, event: Event) -> Cycle | None:
     """Return a box about the orbit's point `place` that has an event in it and contracts, or None
     if it is too large.
     """
-    n = len(orbit.pieces)
     slopes = orbit.slopes()
-    unit = orbit.context.eye(2)
-    # The derivatives of t and x after a period by those at the point, and after several ones: as
-    # many as it takes until a box of some shape is contracted.
-    one_period = unit
-    for j in range(place, place + n):
-        one_period = slopes[j % n] * one_period
-    all_periods = one_period
-    turns = 1
-    shape = _contracted_box(all_periods)
-    while shape is None:
-        turns += 1
-        if turns > MOST_TURNS:
-            raise NothingProposed("a norm in which the orbit attracts is not found")
-        all_periods = one_period * all_periods
-        shape = _contracted_box(all_periods)
+    turns, shape = _contraction(orbit, slopes, place)
     t, x = orbit.points[place]
     before = round(float((event.t - t) / orbit.turn))  # periods before the event
     places = 10**BOX_PLACES
@@ -841,16 +826,37 @@ def _cycle(orbit: OrbitInDigits, place: int, event: Event) -> Cycle | None:
     widths = tuple(Fraction(one_digit(scale * side)) for side in shape)
     if max(widths) > NEAR_ARRIVAL:
         return None
+    # How far motions of the box are apart at each event, by the derivatives D from the first one.
+    n = len(orbit.pieces)
     reaches = []
-    D = unit
-    sizes = [orbit.context.mpf(width.numerator) / width.denominator for width in widths]
+    D = orbit.context.eye(2)
+    width_t, width_x = (orbit.context.mpf(w.numerator) / w.denominator for w in widths)
     for j in range(place, place + turns * n + 1):
-        reaches.append(
-            tuple(fraction(sum(abs(D[i, k]) * sizes[k] for k in (0, 1))) for i in (0, 1))
-        )
+        reach_t = abs(D[0, 0]) * width_t + abs(D[0, 1]) * width_x
+        reach_x = abs(D[1, 0]) * width_t + abs(D[1, 1]) * width_x
+        reaches.append((fraction(reach_t), fraction(reach_x)))
         D = slopes[j % n] * D
     q = max(float(reach / width) for reach, width in zip(reaches[-1], widths, strict=True))
     return Cycle(place, middle, widths, turns, reaches, q)
+
+
+def _contraction(
+    orbit: OrbitInDigits, slopes: Sequence[Any], place: int
+) -> tuple[int, tuple[Fraction, Fraction]]:
+    """Return after how many periods a box of t and x about the orbit's point `place` is contracted,
+    and the sides of this box (the larger is 1).
+    """
+    n = len(orbit.pieces)
+    one_period = orbit.context.eye(2)
+    for j in range(place, place + n):
+        one_period = slopes[j % n] * one_period
+    all_periods = one_period
+    for turns in range(1, MOST_TURNS + 1):
+        shape = _contracted_box(all_periods)
+        if shape is not None:
+            return turns, shape
+        all_periods = one_period * all_periods
+    raise NothingProposed("a norm in which the orbit attracts is not found")
 
 
 def _contracted_box(D: Any) -> tuple[Fraction, Fraction] | None:

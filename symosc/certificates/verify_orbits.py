@@ -913,7 +913,7 @@ class OrbitFamily:
         """Return the first `count` Taylor coefficients of the residuals r along a curve of
         unknowns, about `value`.
         """
-        ctx.cap = max(ctx.cap, count)
+        ctx.cap = max(ctx.cap, count)  # else flint cuts series of constants off
         by_unknown = zip(*(vector.entries() for vector in curve), strict=True)
         u = [arb_series(list(orders), prec=count) for orders in by_unknown]
         r = self.course(arb_series([value, 1], prec=count)).r(u)

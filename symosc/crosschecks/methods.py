@@ -425,11 +425,13 @@ EQUAL = 1e-6
 FEWEST_WRONG = 20
 # What the fit may leave, in parts of the largest defect and of a step's own one.
 LEFT_BY_FIT = 0.03
-# A wrong force changes x by half the step times the change of v: up to this part it is one.
+# Up to this part of dx the errors of flights are like those of a wrong force.
 LIKE_FORCE = 0.3
 # An error of x by more than this part of h v is that of weights which do not add up to 1
 # (test_weights_beyond_one_are_no_large_steps: 0.12; consistent methods there 0.02).
 LIKE_WEIGHTS = 0.05
+# The share of flights whose errors have to be as small as those of a method.
+NEARLY_ALL = 0.95
 
 
 def large_steps(case: FaultySteps) -> Iterator[Explanation]:
@@ -492,14 +494,15 @@ def _like_truncation(case: FaultySteps, flights: np.ndarray) -> bool:
     s = case.steps
     h = np.diff(case.steps.t)[flights]
     dx, dv = s.defects[flights].T
-    force_like = np.sum((dx - 0.5 * h * dv) ** 2) <= (LIKE_FORCE**2) * np.sum(dx**2)
+    # A wrong force changes x by half the step times the change of v.
+    is_like_force = np.sum((dx - 0.5 * h * dv) ** 2) <= (LIKE_FORCE**2) * np.sum(dx**2)
     A = np.array([s.K.A1, s.K.A2, s.K.A3])[case.domain[flights] - 1]
     K = s.K
     a = acceleration(s.x[flights], s.v[flights], np.cos(s.theta[flights]), A, K.cm, K.w0sq, K.f0)
     # A bound of the derivative of a: even Euler's method makes no larger errors than these.
     slope = K.cm * np.max(np.abs(a)) + K.w0sq * np.max(np.abs(s.v)) + abs(K.f0) * K.Om
-    small = (np.abs(dx) <= h**2 * np.max(np.abs(a))) & (np.abs(dv) <= h**2 * slope)
-    return bool(not force_like and np.mean(small) > 0.95)
+    are_small = (np.abs(dx) <= h**2 * np.max(np.abs(a))) & (np.abs(dv) <= h**2 * slope)
+    return bool(not is_like_force and np.mean(are_small) > NEARLY_ALL)
 
 
 def _lost_way(case: FaultySteps, flights: np.ndarray) -> float:

@@ -205,8 +205,10 @@ def _exponents(values: np.ndarray) -> np.ndarray:
     """Return the decimal exponents of numbers; 0 for 0."""
     sizes = np.abs(values)
     exponents = np.floor(np.log10(np.where(sizes > 0.0, sizes, 1.0)))
-    # A logarithm just below a whole number is the next decade.
-    return np.asarray(exponents + (sizes >= 10.0 ** (exponents + 1.0) * (1.0 - DOUBLE_ROUNDING)))
+    # A logarithm just below a whole number, by rounding, is that of the next decade.
+    next_decades = 10.0 ** (exponents + 1.0)
+    are_next = sizes >= next_decades * (1.0 - DOUBLE_ROUNDING)
+    return np.asarray(exponents + are_next)
 
 
 def _fits(values: np.ndarray, places: np.ndarray) -> bool:

@@ -56,11 +56,13 @@ class TimeTolerances:
         events = self.steps.events
         step = int(events.step[row])
         boundary = int(events.boundary[row])
-        starts = row == 0 or events.step[row - 1] != step
-        before = int(self.steps.first[step] if starts else events.target[row - 1])
-        source = min(before, 3)
+        is_first = row == 0 or events.step[row - 1] != step
         if events.kind[row] == CODES["slip"]:
             source = ON_BELT + boundary
+        elif is_first:
+            source = min(int(self.steps.first[step]), 3)
+        else:  # the mode after the event before, a flight
+            source = min(int(events.target[row - 1]), 3)
         t, x, theta = (float(column[row]) for column in (events.t, events.x, events.theta))
         return self._tolerance(t, x, theta, boundary, source)
 

@@ -70,26 +70,26 @@ FEWEST_PAIRS = 20
 
 
 def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
-    """Compute the velocities of samples that have positions alone, and bounds of their errors.
-
-    Return new samples.
+    """Return samples that have positions alone with computed velocities, and bounds of their
+    errors; ParameterError if the positions are too far apart in time to determine them.
     """
-    # ParameterError if the positions are too far apart in time to determine them.
     p = parameters_of(scene)
     K = Arithmetic(p).K._replace(sigmas=0.0)
     digits = find_digits(samples.x, samples.x[:1])
     rounded = np.zeros(len(samples.x)) if digits is None else digits.units
     telling = _telling_samples(p, samples.t)
-    if digits is not None:
+    if digits is not None:  # rounded positions: one motion through all of them is better
         off = tolerance * float(np.max(np.abs(samples.x)))
-        fitted = _fit_motion(samples, scene, (0.5 + 1e-9) * rounded, off, telling)
+        half_units = (0.5 + 1e-9) * rounded
+        fitted = _fit_motion(samples, scene, half_units, off, telling)
         if fitted is not None:
             return fitted
     few = replace(samples, t=samples.t[telling], x=samples.x[telling])
     computed = _from_positions(few, scene, K, tolerance, rounded[telling])
     if len(telling) == len(samples.t):
         return computed
-    return _filled(K, p, samples, computed, telling[len(telling) - len(computed.t) :])
+    left_out = len(telling) - len(computed.t)  # at the beginning
+    return _filled(K, p, samples, computed, telling[left_out:])
 
 
 def _telling_samples(p: Parameters, t: np.ndarray) -> np.ndarray:

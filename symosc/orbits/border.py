@@ -172,9 +172,12 @@ class Border(Drawable):
         far = float(read_exact("distance", distance))
         if not 0 < far <= 0.01:
             raise ParameterError("distance", distance, "must be > 0 and at most 0.01")
-        along = self._nodes[i].tangent[-2:] / linear.norm(self._nodes[i].tangent[-2:])
-        away = self._side * far * np.array([-along[1], along[0]]) * self._plane.widths
-        first, second = (self._plane.parameters(self.points[i] + sign * away) for sign in (1, -1))
+        # The two parameters are the last unknowns of a node.
+        tangent = self._nodes[i].tangent[-2:]
+        along_first, along_second = tangent / linear.norm(tangent)
+        normal = np.array([-along_second, along_first])
+        shift = self._side * far * normal * self._plane.widths
+        first, second = (self._plane.parameters(self.points[i] + sign * shift) for sign in (1, -1))
         return first, second
 
     @public
@@ -249,23 +252,25 @@ class Border(Drawable):
         system = self._system
         j = self.parameters.index(name)
         exact = read_exact(name, wanted)
-        target = float(exact) / system.scale[-2 + j]
-        distances = np.array([node.z[-2 + j] for node in self._nodes]) - target
+        # The two parameters are the last unknowns: the given one, and the other one.
+        index = len(system.scale) - 2 + j
+        other_index = len(system.scale) - 1 - j
+        target = float(exact) / system.scale[index]
+        distances = np.array([node.z[index] for node in self._nodes]) - target
         values = list[float]()
-        # between which nodes the parameter passes the value
+        # Between which nodes the parameter passes the value.
         for i in np.flatnonzero(distances[:-1] * distances[1:] <= 0).tolist():
-            guess = _where(self._nodes[i], self._nodes[i + 1], -2 + j, target)
-            polished = system.polish(guess, (len(guess) - 2 + j, exact))
+            guess = _where(self._nodes[i], self._nodes[i + 1], index, target)
+            polished = system.polish(guess, (index, exact))
             if polished is not None:
-                values.append(float(polished[-1 - j]))  # the other parameter
+                values.append(float(polished[other_index]))
             else:
                 values += self._at_folds(j, float(exact))
         return tuple(sorted(set(values)))
 
     def _at_folds(self, j: int, value: float) -> list[float]:
-        """Return the values of the other parameter at the folds where parameter j has a value.
-
-        Newton's method finds none there.
+        """Return the values of the other parameter at the folds where parameter j has a value:
+        there Newton's method finds none.
         """
         folds = [point.values for point in self.special if point.kind == FOLD]
         at_fold = [
@@ -507,7 +512,8 @@ def continue_border(
     values = np.array([value, float(getattr(parameters, parameter))])
     # From the end towards the middle of the branch; where both have one value, up from the first
     # end and down from the last.
-    inward = np.sign(branch.values[len(branch.values) // 2] - reason.value) or (1.0, -1.0)[number]
+    middle_value = branch.values[len(branch.values) // 2]
+    inward = np.sign(middle_value - reason.value) or (1.0, -1.0)[number]
     near = Orbit(Word(branch.labels), branch.periods, branch.orbit(at_end).phases())
     if reason.beyond is None:
         closed = closed_form(plane, values, near)
@@ -518,7 +524,8 @@ def continue_border(
         border.kind = reason.kind
         return border
     for distance in AWAY:
-        shift = np.array([inward * distance * plane.widths[0], 0.0])
+        first_width, _ = plane.widths
+        shift = np.array([inward * distance * first_width, 0.0])
         inside, outside = (
             motion_at(plane.parameters(values + sign * shift), near) for sign in (1, -1)
         )

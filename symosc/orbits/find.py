@@ -270,9 +270,8 @@ class Root(NamedTuple):
 def _best_root(
     equations: ClosingEquations, guesses: Iterable[Guess]
 ) -> tuple[ClosingEquations, Solution]:
-    """Solve from each guess.
-
-    Return the first admissible root that repeats no shorter orbit, with its equations.
+    """Solve from each guess, and return the first admissible root that repeats no shorter orbit,
+    with its equations; without one, the root nearest to an orbit.
     """
     roots: list[Root] = []
     best = None
@@ -284,11 +283,8 @@ def _best_root(
             if best is None or solution.residual < best.residual:
                 best = solution
             continue
-        if any(
-            _is_same_root(solution, root.solution)
-            for root in roots
-            if root.equations.periods == tried.periods
-        ):
+        of_same_period = [root for root in roots if root.equations.periods == tried.periods]
+        if any(_is_same_root(solution, root.solution) for root in of_same_period):
             continue
         failed = failures(tried, solution.points)
         repeats = repetitions(tried, solution.points) > 1
@@ -314,9 +310,8 @@ def _best_root(
 
 
 def _first_root(roots: Sequence[Root]) -> tuple[ClosingEquations, Solution]:
-    """Return the root nearest to an orbit.
-
-    Of roots that are equally near, the one that begins first.
+    """Return the root nearest to an orbit; of roots that are equally near, the one that begins
+    first.
     """
     # A symmetric oscillator has roots in pairs, whose conditions fail by the same but for rounding.
     failed, repeats, worst = min((root.failed, root.repeats, root.worst) for root in roots)
@@ -334,11 +329,12 @@ def _rounded_point(point: Sequence[float] | np.ndarray) -> tuple[float, float]:
 
 def _is_same_root(a: Solution, b: Solution) -> bool:
     """Return whether two roots are equal, except for whole turns of the phase."""
-    away = np.asarray(a.points) - np.asarray(b.points)
-    away[:, 1] -= 2 * pi * np.round(away[0, 1] / (2 * pi))
-    return bool(
-        (np.abs(away) < SAME_ORBIT * np.array([max(1.0, np.abs(a.points[:, 0]).max()), 1.0])).all()
-    )
+    off_x, off_theta = (np.asarray(a.points) - np.asarray(b.points)).T
+    off_theta = off_theta - 2 * pi * np.round(off_theta[0] / (2 * pi))
+    x, _ = np.abs(a.points).T
+    is_same_x = np.abs(off_x) < SAME_ORBIT * max(1.0, x.max())
+    is_same_theta = np.abs(off_theta) < SAME_ORBIT
+    return bool(is_same_x.all() and is_same_theta.all())
 
 
 def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
@@ -346,17 +342,20 @@ def repetitions(equations: ClosingEquations, points: np.ndarray) -> int:
     n = len(points)
     labels = equations.word.labels
     points = np.asarray(points, dtype=float)
-    size = np.array([max(1.0, np.abs(points[:, 0]).max()), 1.0])
+    x, _ = np.abs(points).T
+    sizes = np.array([max(1.0, x.max()), 1.0])  # of x and of theta
+    turn = float(equations.turn)
     for times in range(n, 1, -1):
-        if n % times or equations.periods % times or labels != labels[: n // times] * times:
+        count = n // times  # pieces of the shorter orbit
+        if n % times or equations.periods % times or labels != labels[:count] * times:
             continue
-        # The points one piece later, with one more turn where that is due.
+        # The points `count` pieces later, with one more turn where that is due: first one piece
+        # later, then further ones.
         later = np.array(equations.ends(points))
-        for _ in range(n // times - 1):
-            later = np.vstack([later[1:], later[:1] + np.array([0.0, float(equations.turn)])])
-        if (
-            np.abs(later - points - [0.0, float(equations.turn) / times]) < SAME_ORBIT * size
-        ).all():
+        for _ in range(count - 1):
+            later = np.vstack([later[1:], later[:1] + np.array([0.0, turn])])
+        off = np.abs(later - points - [0.0, turn / times])
+        if (off < SAME_ORBIT * sizes).all():
             return times
     return 1
 
@@ -384,6 +383,7 @@ def orbit_at(
         steps += solution.steps
 
     def rounded(value: Number) -> Number:
+        """Return a number of the answer with its digits: a double, or `digits` of them."""
         if digits is None:
             return value
         return +mp_context(digits).convert(value)
@@ -431,12 +431,12 @@ def _message_of_root(failed: Sequence[Condition], instead: str) -> str:
     texts = []
     for condition in failed:
         if _has_no_length(condition):
-            how = "it has no length"
+            failure = "it has no length"
         elif condition.value == 0:
-            how = "just fails"
+            failure = "just fails"
         else:
-            how = f"fails by {-condition.value:.3g}"
-        texts.append(f"{condition.text}: {how} at t = {condition.t:.6g}")
+            failure = f"fails by {-condition.value:.3g}"
+        texts.append(f"{condition.text}: {failure} at t = {condition.t:.6g}")
     message = f"a root that is not an orbit ({'; '.join(texts)})"
     if instead:
         message += f"; {instead}"
@@ -549,45 +549,55 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
         guess = guess.points
     guess = named("guess", guess, ("t", "x"))
     if isinstance(guess, Mapping):
-        guess = np.array(
-            [np.ravel(unmasked("guess", column)) for column in guess.values()], dtype=object
-        ).T
-    for row in guess if isinstance(guess, list | tuple) else ():
-        unmasked("guess", row)
+        columns = [np.ravel(unmasked("guess", column)) for column in guess.values()]
+        guess = np.array(columns, dtype=object).T
+    if isinstance(guess, list | tuple):
+        for row in guess:
+            unmasked("guess", row)
     allowed = f"must be {n} pairs (t, x), one for each switching, or one to start from"
     values = np.atleast_2d(real_array("guess", guess, allowed))
     if values.shape not in ((n, 2), (1, 2)):
-        raise ParameterError(
-            "guess", f"an array of shape {values.shape}" if values.size else guess, allowed
-        )
-    theta = Omega * values[:, 0]
+        shown = f"an array of shape {values.shape}" if values.size else guess
+        raise ParameterError("guess", shown, allowed)
+    t, x = values.T
+    theta = Omega * t
     if len(values) == 1:
-        run = follow(
-            equations, values[0, 1], theta[0], equations.pieces[0].start, LEAST_RUN_EVENTS + n
-        )
-        guesses = guesses_of_word(
-            run, equations.word.labels, periods, largest_displacement(equations)[1]
-        )
-        if not guesses:
-            raise ParameterError(
-                "guess",
-                guess,
-                "the motion from this point never follows the word; give all switching points",
-            )
-        return min(guesses, key=lambda item: item.defect)
+        best = _guess_from_point(equations, x[0], theta[0], periods)
+        if best is None:
+            what = "the motion from this point never follows the word; give all switching points"
+            raise ParameterError("guess", guess, what)
+        return best
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))
     short = 2 * pi * count * 1e-8
     # A piece that is shorter is about to vanish: all are made longer by it, so that none is negative.
-    if (np.diff(theta) > -short).all() and (np.diff(theta) <= 0).any():
+    durations = np.diff(theta)
+    if (durations > -short).all() and (durations <= 0).any():
         theta = np.maximum.accumulate(theta + short * np.arange(n))
     if (np.diff(theta) < 0).any() or theta[-1] - theta[0] >= 2 * pi * count:
         raise ParameterError(
             "guess", guess, f"the times must increase, and end within {counted_periods(count)}"
         )
-    return Guess(np.column_stack([values[:, 1], theta]), count, inf)
+    return Guess(np.column_stack([x, theta]), count, inf)
+
+
+def _guess_from_point(
+    equations: ClosingEquations, x: float, theta: float, periods: int | None
+) -> Guess | None:
+    """Return the part of the motion from one point that follows the word and closes best; None if
+    no part follows it.
+    """
+    labels = equations.word.labels
+    run = follow(equations, x, theta, equations.pieces[0].start, LEAST_RUN_EVENTS + len(labels))
+    _, size = largest_displacement(equations)
+    guesses = guesses_of_word(run, labels, periods, size)
+    return min(guesses, key=lambda item: item.defect, default=None)
 
 
 # -- guesses ---------------------------------------------------------------------------------------
+
+
+#: Phases at which simulations for guesses start.
+PHASES = 8
 
 
 class Run(NamedTuple):
@@ -622,7 +632,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     wave = equations.sin(angle), equations.cos(angle)
     state = belt_state(start, (turns, angle), wave, x, Covariance(0.0, 0.0, 0.0), K)
     points = [(x, theta)]
-    planes = [(boundary, start.mode)]
+    planes = [(boundary, start.mode)]  # the belt at each point, and the mode after it
     code = END
     loops = CHOICE.of_searches()
     constants = loops.constants(K)
@@ -638,22 +648,25 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
             planes.append((belt_met, state.mode))
         if code in (END, REST, FAILED) or len(points) > most:
             break
-    labels = [map_labels(2).get((a, MODE_NAMES[mode], b)) for (a, mode), (b, _) in pairwise(planes)]
-    return Run(np.array(points), labels, planes[-1][1], code == REST)
+    names = map_labels(2)
+    labels = [
+        names.get((begin, MODE_NAMES[mode], end)) for (begin, mode), (end, _) in pairwise(planes)
+    ]
+    _, last_mode = planes[-1]
+    return Run(np.array(points), labels, last_mode, code == REST)
 
 
 def settling(
     equations: ClosingEquations, x: float, theta: float, boundary: int, size: float | None
 ) -> tuple[Orbit | None, str]:
-    """Follow the motion from a belt.
+    """Return the admissible orbit that the motion from a belt approaches and "", or None and a text
+    that says where the motion comes to rest ("" if it does not).
 
-    Return the admissible orbit that it approaches and "", or None and a text.
-
-    The text says where the motion comes to rest, and is "" if it does not. `size` is the magnitude
-    of the positions on the orbit; if it is None, no orbit is looked for.
+    `size` is the magnitude of the positions on the orbit; if it is None, no orbit is looked for.
     """
     run = follow(equations, x, theta, boundary, SETTLING_EVENTS)
-    for word in _words_of_a_period(equations, run) if size is not None else ():
+    words = [] if size is None else _words_of_a_period(equations, run)
+    for word in words:
         trial = ClosingEquations(equations.parameters, word, equations.periods)
         guesses = guesses_of_word(run, word.labels, equations.periods, max(size or 0.0, 1e-300))
         for guess in sorted(guesses, key=lambda item: item.defect)[:BEST_GUESSES]:
@@ -669,25 +682,27 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
     """
     begin = equations.word.labels[0]
     words = list[Word]()
-    phases = run.points[:, 1]
+    _, phases = run.points.T
     labels = run.labels
     turn = 2 * pi * equations.periods
     for last in range(len(labels), 0, -1):
-        first = int(np.argmin(np.abs(phases - (phases[last] - turn))))
-        part = tuple(label for label in labels[first:last] if label)
-        if (
-            not 0 < len(part) <= LONGEST_SIMULATED
-            or len(part) < last - first
-            or phases[last] - turn < phases[0] - 1
-        ):
+        # The point one period before the last one.
+        begins_at = phases[last] - turn
+        first = int(np.argmin(np.abs(phases - begins_at)))
+        of_period = tuple(label for label in labels[first:last] if label)
+        if not 0 < len(of_period) <= LONGEST_SIMULATED:
+            continue
+        has_unknown = len(of_period) < last - first
+        begins_too_early = begins_at < phases[0] - 1
+        if has_unknown or begins_too_early:
             continue
         # Words begin as that of the equations does, if possible.
-        if begin in part:
-            i = part.index(begin)
+        if begin in of_period:
+            i = of_period.index(begin)
         else:
             i = 0
         with suppress(WordError):
-            word = read_word(Word(part[i:] + part[:i]))
+            word = read_word(Word(of_period[i:] + of_period[:i]))
             if word not in words:
                 words += [word]
         if len(words) >= MOST_SIMULATED:
@@ -721,15 +736,17 @@ def guesses_of_word(
     n = len(labels)
     guesses = []
     for k in range(len(run.labels) - n + 1):
-        if tuple(run.labels[k : k + n]) == labels:
-            points = run.points[k : k + n].copy()
-            dx, dtheta = (run.points[k + n] - run.points[k]).tolist()
-            turns = dtheta / (2 * pi)
-            count = periods or max(1, round(turns))
-            points[:, 1] -= 2 * pi * (points[0, 1] // (2 * pi))
-            if points[-1, 1] - points[0, 1] < 2 * pi * count:
-                defect = max(abs(dx) / size, 2 * pi * abs(turns - count))
-                guesses.append(Guess(points, count, defect))
+        if tuple(run.labels[k : k + n]) != labels:
+            continue
+        # How far the motion is, n mappings later, from where it was.
+        dx, dtheta = (run.points[k + n] - run.points[k]).tolist()
+        turns = dtheta / (2 * pi)
+        count = periods or max(1, round(turns))
+        x, theta = run.points[k : k + n].T
+        theta = theta - 2 * pi * (theta[0] // (2 * pi))
+        if theta[-1] - theta[0] < 2 * pi * count:
+            defect = max(abs(dx) / size, 2 * pi * abs(turns - count))
+            guesses.append(Guess(np.column_stack([x, theta]), count, defect))
     return guesses
 
 
@@ -738,7 +755,8 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
     cause (k > 0).
     """
     K = equations.K
-    reach = (abs(K.f0) + max(abs(K.A1 - K.A3), K.cm * max(abs(K.belt1.v), abs(K.belt2.v)))) / K.w0sq
+    damping = K.cm * max(abs(K.belt1.v), abs(K.belt2.v))
+    reach = (abs(K.f0) + max(abs(K.A1 - K.A3), damping)) / K.w0sq
     return 0.5 * (K.A1 + K.A3) / K.w0sq, float(max(reach, K.V0 / K.Om))
 
 
@@ -750,11 +768,11 @@ def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterat
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
     most = max(LEAST_RUN_EVENTS, 8 * len(equations.pieces))
-    starts = product((0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15), range(8), boundaries)
+    starts = product((0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15), range(PHASES), boundaries)
     while batch := list(islice(starts, 8)):
         guesses: list[Guess] = []
         for offset, j, boundary in batch:
-            run = follow(equations, centre + offset * size, 2 * pi * j / 8, boundary, most)
+            run = follow(equations, centre + offset * size, 2 * pi * j / PHASES, boundary, most)
             guesses += guesses_of_word(run, equations.word.labels, periods, size)
         yield from sorted(guesses, key=lambda guess: guess.defect)[:BEST_GUESSES]
 

@@ -58,8 +58,8 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
     """Return the multipliers of the orbit through `points` (x, theta), in the arithmetic of
     `equations`.
     """
-    # The matrix, with the rows (xx, xv) and (vx, vv), is that of perturbations (dx, dv) just after
-    # the first switching point.
+    # The matrix, with the rows (xx, xv) and (vx, vv), maps perturbations (dx, dv) just after the
+    # first switching point to those just after the present one. A stick makes dv 0.
     K = equations.K
     pieces = equations.pieces
     determinant = 1
@@ -73,12 +73,15 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
         basis = equations.basis(tau, K)[:5]
         E0, E1, E2, _, _ = basis
         _, _, a = motion(*equations.start_of_flight(piece, start), K.cm, K.w0sq, K.f0, K.Om, *basis)
+        # The flow of the flight has the rows (C, E1) and (D, E0); at its end dv jumps by the ratio
+        # of the accelerations behind and before the belt.
         C = 1 - K.w0sq * E2
         D = -K.w0sq * E1
         following = pieces[(i + 1) % len(pieces)]
         ratio = 0
         if not following.sticks:
-            ratio = equations.force(following.mode, end[0], equations.belt(piece.end).v, end[1]) / a
+            x, theta = end
+            ratio = equations.force(following.mode, x, equations.belt(piece.end).v, theta) / a
         next_xx = C * xx + E1 * vx
         next_xv = C * xv + E1 * vv
         vx = ratio * (D * xx + E0 * vx)
@@ -90,6 +93,7 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
     context = equations.context
 
     def root(value: Number) -> Any:
+        """Return a complex square root, in the arithmetic of the equations."""
         if context is None:
             return cmath.sqrt(value)
         return context.mpc(context.sqrt(value))
@@ -108,8 +112,10 @@ def multipliers(
     square = half * half - determinant
     if square < 0:
         return half + root(square), half - root(square)
+    # The larger one has no cancellation; the product of both is the determinant.
     large = half + (root(square) if half >= 0 else -root(square))
-    return large, determinant / large if large != 0 else 0 * large
+    small = determinant / large if large != 0 else 0 * large
+    return large, small
 
 
 def stability_margin(

@@ -230,9 +230,11 @@ class PeriodicOrbit(Drawable):
         K = equations.K
         turn = float(equations.turn)
         states = np.empty((2, times.size))
+        _, phases = points.T
         for j, time in enumerate(times.ravel()):
-            theta = (time * K.Om - points[0, 1]) % turn + points[0, 1]
-            i = int(np.searchsorted(points[:, 1], theta, side="right")) - 1
+            # In the first period of the orbit, and the last point before it.
+            theta = (time * K.Om - phases[0]) % turn + phases[0]
+            i = int(np.searchsorted(phases, theta, side="right")) - 1
             piece = equations.pieces[i]
             (x, begin) = (float(value) for value in points[i])
             tau = (theta - begin) / K.Om
@@ -240,8 +242,8 @@ class PeriodicOrbit(Drawable):
             if piece.sticks:
                 states[:, j] = x + v * tau, v
             else:
-                now = state_at(tau, equations.start_of_flight(piece, (x, begin)), K)
-                states[:, j] = x + now.dx, v + now.dv
+                state = state_at(tau, equations.start_of_flight(piece, (x, begin)), K)
+                states[:, j] = x + state.dx, v + state.dv
         return states.reshape((2, *times.shape))
 
     @public
@@ -283,17 +285,18 @@ class PeriodicOrbit(Drawable):
         for name in names:
             value: Fraction = getattr(self.parameters, name)
             step = max(abs(value), Fraction(1, 1000)) / 10**15
-            up, down = (_neighbour(self, name, value + sign * step) for sign in (1, -1))
+            above, below = (_neighbour(self, name, value + sign * step) for sign in (1, -1))
             columns.append(
-                [complex(a - b) / (2 * float(step)) for a, b in zip(up, down, strict=True)]
+                [complex(a - b) / (2 * float(step)) for a, b in zip(above, below, strict=True)]
             )
+        # Rows: t of all points, x of all points, both multipliers.
         changes = np.array(columns).T
         n = len(self.points)
-        slopes = changes[2 * n :]
+        dt, dx, slopes = np.split(changes, [n, 2 * n])
         first, second = map(complex, self.multipliers)
         if abs(first - second) <= 1e-7:  # one double multiplier
             slopes = np.full_like(slopes, np.nan)
-        return OrbitSensitivities(names, changes[:n].real, changes[n : 2 * n].real, slopes)
+        return OrbitSensitivities(names, dt.real, dx.real, slopes)
 
     @property
     def lyapunov(self) -> np.ndarray:
@@ -330,27 +333,21 @@ class PeriodicOrbit(Drawable):
         T = length / self.periods
         for piece, (t, x) in zip(self.equations().pieces, self.points, strict=True):
             if scene.v0 == self.parameters.belt(piece.start):
-                distances.append(((t0 - float(t) + T / 2) % T - T / 2, x0 - float(x)))
+                late = (t0 - float(t) + T / 2) % T - T / 2  # in [-T/2, T/2)
+                distances.append((late, x0 - float(x)))
         dt, dx = min(distances, key=lambda pair: max(map(abs, pair)), default=(nan, nan))
         path = simulate(scene.reduced(), t_end=t0 + 400.5 * length)
         elapsed = length * np.arange(1 + int((float(path.t_end) - t0) / length))
         # The orbit's states at these times, shifted by the whole forcing periods that fit best.
         choices = [self(t0 + elapsed + shift * T) for shift in range(self.periods)]
-        states = min(
-            choices,
-            key=lambda choice: float(np.abs(choice[:, 0] - (x0, v0)).max()),
-        )
-        offset = np.array([x0, v0]) - states[:, 0]
-        away = np.abs(path(t0 + elapsed) - states).max(axis=0)
-        periods = int(np.flatnonzero(away > near).max(initial=-1)) + 1
-        return Approach(
-            dt,
-            dx,
-            float(offset[0]),
-            float(offset[1]),
-            periods if periods < len(away) else None,
-            near,
-        )
+        start = np.array([x0, v0])
+        states = min(choices, key=lambda choice: float(np.abs(choice[:, 0] - start).max()))
+        offset_x, offset_v = (start - states[:, 0]).tolist()
+        distance = np.abs(path(t0 + elapsed) - states).max(axis=0)
+        # From the period after the last one that is too far away.
+        periods = int(np.flatnonzero(distance > near).max(initial=-1)) + 1
+        reached = periods if periods < len(distance) else None
+        return Approach(dt, dx, offset_x, offset_v, reached, near)
 
     def as_dict(self) -> Record:
         """Return everything as plain values.
