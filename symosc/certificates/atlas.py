@@ -279,17 +279,7 @@ class ParameterPlane(NamedTuple):
         moving = [point for point in points if point not in words]
         if moving:
             # One run of all of them finds most words; the others are looked for one by one.
-            numbers: Record = by_name(self.p, float)
-            numbers |= dict(zip(self.names, np.array(moving, dtype=float).T, strict=True))
-            columns = ("word", "multiplicity", "status")
-            runs = simulate_many(
-                numbers, (0, 0, 0), f"{SETTLING_PERIODS[0]}T", record=columns, workers=1
-            )
-            for point, word, count, status in zip(
-                moving, runs.word, runs.multiplicity, runs.status, strict=True
-            ):
-                if word and count == 1 and status == "t_end":
-                    words[point] = canonical(read_word(str(word)).labels)
+            words |= self._simulated_words(moving)
         without_word = [point for point in points if point not in words]
         if pool is None:
             their_words: Iterator[str] = map(self.word, without_word)
@@ -297,6 +287,25 @@ class ParameterPlane(NamedTuple):
             their_words = pool.map(self.word, without_word, chunksize=CHUNK)
         words.update(zip(without_word, their_words, strict=True))
         return tuple((float(x), float(y), words[x, y]) for x, y in points)
+
+    def _simulated_words(
+        self, points: Sequence[tuple[Fraction, Fraction]]
+    ) -> dict[tuple[Fraction, Fraction], str]:
+        """Return the words of the points at which the motion from rest settles soon, with a word
+        that repeats itself each period.
+        """
+        numbers: Record = by_name(self.p, float)
+        numbers |= dict(zip(self.names, np.array(points, dtype=float).T, strict=True))
+        columns = ("word", "multiplicity", "status")
+        t_end = f"{SETTLING_PERIODS[0]}T"
+        runs = simulate_many(numbers, (0, 0, 0), t_end, record=columns, workers=1)
+        words = {}
+        for point, word, count, status in zip(
+            points, runs.word, runs.multiplicity, runs.status, strict=True
+        ):
+            if word and count == 1 and status == "t_end":
+                words[point] = canonical(read_word(str(word)).labels)
+        return words
 
     # -- borders -----------------------------------------------------------------------------------
 

@@ -597,18 +597,15 @@ class BoxEquations:
             add(f"{piece.label} meets belt {belt}", meets, by_meets)
             if stick:
                 # The sign with which the drift of the force that ends the stick is > 0.
-                if stick.side < 0:
-                    s = 1
-                else:
-                    s = -1
+                sign = 1 if stick.side < 0 else -1
                 lasts = (phase - u[leg.at]) / o.Omega - tau
                 by_lasts = (
                     (leg.at, [-1 / o.Omega]),
                     (leg.tau, [arb(-1)]),
                     (next_phase, [1 / o.Omega]),
                 )
-                drift = s * self.drift(o, belt, phase)
-                drift_slope = s * o.B0 * o.Omega * phase.cos()
+                drift = sign * self.drift(o, belt, phase)
+                drift_slope = sign * o.B0 * o.Omega * phase.cos()
                 add(f"{stick.label} lasts", lasts, *by_lasts)
                 slopes_of_begins = [-slope for slope in slopes_of_meets]
                 add(f"{stick.label} begins", jump - meets, (leg.at, slopes_of_begins))
@@ -620,7 +617,7 @@ class BoxEquations:
                         o.B0 * (turn.cos() - phase.cos())
                         + o.k * o.speed[belt] * (phase - turn) / o.Omega
                     )
-                    force = s * rises / o.m
+                    force = sign * rises / o.m
                     change = drift / (o.Omega * o.m)
                     add(f"{stick.label} holds", force, (next_phase, [change]))
                     add(f"{stick.label} holds", jump - force, (next_phase, [-change]))

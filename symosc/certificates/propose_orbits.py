@@ -154,17 +154,8 @@ def _proposed_orbit(
     # Half-widths of the box in t and in x.
     half_t = one_digit(Fraction(share) * fraction(orbit.turn))
     half_x = one_digit(Fraction(share) * largest)
-    # A hint for the checker: how far apart in time motions from the box meet each event. Its balls
-    # are wider than the set.
-    slopes = orbit.slopes()
-    number = orbit.context.convert
-    # What each half-width moves: its columns are changes of (t, x), its first row those of t.
-    moved = orbit.context.matrix([[number(half_t), 0], [0, number(half_x)]])
-    reaches = [2 * moved[0, 0]]
-    for i in range(begin, begin + n):
-        moved = slopes[i % n] * moved
-        reaches.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
     rows: list[Record] = []
+    reaches = _reaches_in_time(orbit, begin, half_t, half_x)
     for (head, t, x), reach in zip(orbit.switchings(begin), reaches, strict=True):
         enclosures = {"t": outward(around(t, 0), DIGITS), "x": outward(around(x, 0), DIGITS)}
         rows.append(head | enclosures | {"reach": one_digit(max(fraction(reach), LEAST_REACH))})
@@ -183,6 +174,22 @@ def _proposed_orbit(
         for t, x in orbit.points
     )
     return confirmed("orbit", statement, points)
+
+
+def _reaches_in_time(orbit: OrbitInDigits, begin: int, half_t: str, half_x: str) -> list[Number]:
+    """Return how far apart in time motions from a box meet each event from `begin` on: a hint for
+    the checker, whose balls are wider than the set.
+    """
+    n = len(orbit.pieces)
+    slopes = orbit.slopes()
+    number = orbit.context.convert
+    # What each half-width moves: its columns are changes of (t, x), its first row those of t.
+    moved = orbit.context.matrix([[number(half_t), 0], [0, number(half_x)]])
+    reaches = [2 * moved[0, 0]]
+    for i in range(begin, begin + n):
+        moved = slopes[i % n] * moved
+        reaches.append(SPARE * (abs(moved[0, 0]) + abs(moved[0, 1])))
+    return reaches
 
 
 def _multipliers(both: tuple[Number, Number]) -> list[Record]:

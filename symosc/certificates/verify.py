@@ -748,34 +748,46 @@ def begin(problem, start, errors, rest=None):
         belt = 1
     else:
         belt = 2
+    exact_state = z if not any(errors) and (t0 == 0 or p["B0"] == 0) else None
+    below, above = forces_at_start(problem, belt, centre, columns, exact_state)
+    if below.holds and above.holds:
+        mode = 3 + belt
+        leaves = {belt + i: force.order for i, force in enumerate((below, above)) if force.order}
+    elif not below.holds:
+        mode = belt
+        leaves = {belt: below.order + 1}  # F is v': v leaves the belt by one order later
+    else:
+        mode = belt + 1
+        leaves = {belt: above.order + 1}
+    return VerifiedMotion(problem, mode, belt, centre, columns, leaves=leaves, rest=rest)
+
+
+class HoldingForce(NamedTuple):
+    """Whether a force holds the mass on a belt, by its first derivative that is not 0, and the
+    order of this derivative.
+    """
+
+    holds: Any
+    order: int
+
+
+def forces_at_start(problem, belt, centre, columns, exact_state):
+    """Return the `HoldingForce` of F below a belt, and that of -F above it, at a start on the belt.
+
+    `exact_state` is z if it is rational: then a force may be exactly 0.
+    """
     hold = problem.mode(3 + belt)
     stuck = VerifiedMotion(problem, 3 + belt, belt, centre, columns).first
-    # For F below the belt and -F above it: whether the first derivative that is not 0 is > 0, and
-    # its order.
-    signs_and_orders = []
+    forces = []
     for i in (0, 1):
         order = 0
         value = (hold.rows[0] * stuck)[i, 0]
-        exact = not any(errors) and (t0 == 0 or p["B0"] == 0)
-        while exact and value.contains(0) and order < ORDERS - 5:
-            value = arb((hold.row * hold.exact**order * z)[i, 0])
+        while exact_state is not None and value.contains(0) and order < ORDERS - 5:
+            value = arb((hold.row * hold.exact**order * exact_state)[i, 0])
             order += value == 0
         require(abs(value), "F on the belt at the start")
-        signs_and_orders.append((value > 0, order))
-    (holds_below, order_below), (holds_above, order_above) = signs_and_orders
-    if holds_below and holds_above:
-        leaves = {belt + i: order for i, (_, order) in enumerate(signs_and_orders) if order}
-        return VerifiedMotion(problem, 3 + belt, belt, centre, columns, leaves=leaves, rest=rest)
-    if not holds_below:
-        domain = belt
-        order = order_below
-    else:
-        domain = belt + 1
-        order = order_above
-    # F is v', so that v leaves the belt by one order later.
-    return VerifiedMotion(
-        problem, domain, belt, centre, columns, leaves={belt: order + 1}, rest=rest
-    )
+        forces.append(HoldingForce(value > 0, order))
+    return forces
 
 
 def leave(problem, start, errors, until):
@@ -905,14 +917,7 @@ def changes(problem, motions, rows, name):
             -z[SIN, 0] * turned,
             z[COS, 0] * turned,
         ]
-        # (z_q, z)' = ((M, M_q), (0, M)) (z_q, z)
-        M = mode.M.tolist()
-        none = [arb(0)] * 5
-        upper = [[*of_M, *of_M_by] for of_M, of_M_by in zip(M, M_by.tolist(), strict=True)]
-        lower = [[*none, *of_M] for of_M in M]
-        flow = ((after.t - motion.t) * arb_mat(upper + lower)).exp()
-        z_by = flow * arb_mat(10, 1, [*z_by_at_start, *z.entries()])
-        z_by = arb_mat(z_by.tolist()[:5])
+        z_by = derivative_of_state(mode.M, M_by, z_by_at_start, z, after.t - motion.t)
         belt = row["boundary"]
         speed = problem.p[f"v{belt}"]
         i = mode.ends.index(belt if mode.flies else row["target"])
@@ -924,6 +929,19 @@ def changes(problem, motions, rows, name):
         dv = arb(int(name == f"v{belt}"))
         derivatives.append((dt, dx))
     return derivatives
+
+
+def derivative_of_state(M, M_by, z_by, z, time):
+    """Return z_q after a `time`, where z' = M z and z_q' = M z_q + M_q z (7 above), from z_q (a
+    list) and z at its start.
+    """
+    # (z_q, z)' = ((M, M_q), (0, M)) (z_q, z)
+    none = [arb(0)] * 5
+    upper = [[*row, *row_by] for row, row_by in zip(M.tolist(), M_by.tolist(), strict=True)]
+    lower = [[*none, *row] for row in M.tolist()]
+    flow = (time * arb_mat(upper + lower)).exp()
+    both = flow * arb_mat(10, 1, [*z_by, *z.entries()])
+    return arb_mat(both.tolist()[:5])
 
 
 def differentiated(problem, data, motions):
@@ -956,6 +974,27 @@ def differentiated(problem, data, motions):
             inside(dx, row["dx"][j])
 
 
+def some_starts(start, errors, free):
+    """Return three starts with their errors: all starts between two values of the free number, the
+    lowest one, and the highest one.
+    """
+    name, low, high = (free[key] for key in ("name", "low", "high"))
+    i = START.index(name)
+    check(
+        start[i] - errors[i] <= low < high <= start[i] + errors[i],
+        "a free number within the start's error",
+    )
+    middles_and_errors = (
+        ((low + high) / 2, (high - low) / 2),
+        (low, fmpq(0)),
+        (high, fmpq(0)),
+    )
+    return [
+        ([*start[:i], middle, *start[i + 1 :]], [error * (j == i) for j in range(3)])
+        for middle, error in middles_and_errors
+    ]
+
+
 def trajectory(data, source, limits):
     """Prove that a motion has the stated events, and no others until t_end.
 
@@ -969,22 +1008,8 @@ def trajectory(data, source, limits):
     else:
         suffix = ""
     if data["starts"] == "some":
-        # Three motions: from all starts, from the lowest one, and from the highest one.
-        name, low, high = (data["free"][key] for key in ("name", "low", "high"))
-        i = START.index(name)
-        check(
-            start[i] - errors[i] <= low < high <= start[i] + errors[i],
-            "a free number within the start's error",
-        )
-        middles_and_errors = (
-            ((low + high) / 2, (high - low) / 2),
-            (low, fmpq(0)),
-            (high, fmpq(0)),
-        )
-        starts = [
-            ([*start[:i], middle, *start[i + 1 :]], [error * (j == i) for j in range(3)])
-            for middle, error in middles_and_errors
-        ]
+        name = data["free"]["name"]
+        starts = some_starts(start, errors, data["free"])
         suffix = f", for some {name} within the error of the start"
         shown += "; {name} is between {low} and {high}, and one value between them touches".format(
             **source["free"]
@@ -1086,18 +1111,10 @@ def settled(data, source, limits):
         "a cycle from the last event on",
     )
     motion.within(cycle[0])
-
     turn = 2 * data["periods"] * arb.pi() / arb(problem.p["Omega"])
     box = [cycle[0][name] for name in "tx"]
-    centre = [arb((high + low) / 2) for low, high in box]
     widths = [arb((high - low) / 2) for low, high in box]
-    around = period(problem, cycle, centre, widths, turn)
-    for motion, row in zip(around.motions[1:], cycle[1:], strict=True):
-        motion.within(row)
-    motion = around.motions[-1]
-    inside(motion.t - turn, cycle[0]["t"])  # P(B) lies in B
-    inside(motion.x, cycle[0]["x"])
-
+    around = closed_cycle(problem, cycle, box, widths, turn)
     on_cycle = data["count"] - len(events)
     check(on_cycle >= len(last), "a count of events that is not less than those stated")
     last_on_time(cycle, on_cycle, turn, arb(data["t_end"]))
@@ -1116,6 +1133,20 @@ def settled(data, source, limits):
     return [first, shown, *stuck, f"a cycle takes {data['periods']} forcing periods", *lines]
 
 
+def closed_cycle(problem, cycle, box, widths, turn):
+    """Prove that all motions from the box of the first event have the events of the cycle, and come
+    back into the box; return their `Period`.
+    """
+    centre = [arb((high + low) / 2) for low, high in box]
+    around = period(problem, cycle, centre, widths, turn)
+    for motion, row in zip(around.motions[1:], cycle[1:], strict=True):
+        motion.within(row)
+    last = around.motions[-1]
+    inside(last.t - turn, cycle[0]["t"])  # P(B) lies in B
+    inside(last.x, cycle[0]["x"])
+    return around
+
+
 def last_on_time(cycle, on_cycle, turn, t_end):
     """Raise Stop unless exactly `on_cycle` events of the motion on the cycle are before t_end."""
     n = len(cycle) - 1
@@ -1129,10 +1160,12 @@ def last_on_time(cycle, on_cycle, turn, t_end):
 
 def last_on_cycle(cycle, last, on_cycle, turn, around, widths):
     """Raise Stop unless the events `last` are those that a contraction leads to (6 above)."""
-    sums = [
-        sum((abs(around.D[i, j]) * widths[j] for j in (0, 1)), arb(0)) / widths[i] for i in (0, 1)
-    ]
-    q = sums[0].max(sums[1]).upper()
+    # |D| e <= q e for the half-widths e.
+    D = around.D
+    width_t, width_x = widths
+    q_t = (abs(D[0, 0]) * width_t + abs(D[0, 1]) * width_x) / width_t
+    q_x = (abs(D[1, 0]) * width_t + abs(D[1, 1]) * width_x) / width_x
+    q = q_t.max(q_x).upper()
     require(1 - q, "a contraction in the norm of the box")
     for back, row in enumerate(reversed(last)):
         cycles, j = divmod(on_cycle - back, len(cycle) - 1)

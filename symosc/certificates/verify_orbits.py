@@ -307,6 +307,39 @@ def orbit(data, source, limits):
     turn = 2 * periods * arb.pi() / arb(problem.p["Omega"])
     right = min(data["alone_within"]) > 0 <= min(row["reach"] for row in rows)
     check(right, "alone_within, or reach out of range", BAD)
+    D, points = fixed_point(problem, data, turn)
+    for (t, x), row in zip(points, rows, strict=True):
+        inside(t, row["t"])
+        inside(x, row["x"])
+
+    def apart(i, later):
+        """Return whether t or x of event i surely differs from that of event 0, `later` forcing
+        periods later.
+        """
+        (t, x) = points[i]
+        (t0, x0) = points[0]
+        return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)
+
+    least(events, periods, apart)
+    check_multipliers(data, D)
+    kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[data["stable"]]
+    first = (
+        f"{kind} {data['word']} of {periods} forcing period{'s' * (periods != 1)}, the only one "
+        "within"
+    )
+    first += " {} in t and {} in x".format(*source["alone_within"])
+    shown = [
+        f"multiplier: {' .. '.join(ends['re'])} + i ({' .. '.join(ends['im'])})"
+        for ends in source["multipliers"]
+    ]
+    return [first, base.about(source["parameters"]), *base.table(source["events"]), *shown]
+
+
+def fixed_point(problem, data, turn):
+    """Prove that exactly one orbit is in the box stated; return the derivatives D of the motion
+    over a period, and t and x of the orbit at each event (1 above).
+    """
+    rows = data["events"]
     centre = [arb(sum(rows[0][name]) / 2) for name in "tx"]
     widths = [arb(width) for width in data["alone_within"]]
     stated_box = list(zip(centre, widths, strict=True))
@@ -330,23 +363,18 @@ def orbit(data, source, limits):
         widths = [(2 * coordinate.rad()).mid() for coordinate in root]
     # Where the fixed point is at each event, by the derivatives.
     factors = [shift / width for shift, width in zip(u, widths, strict=True)]
-    points = [motion.from_centre(factors) for motion in motions]
-    for (t, x), row in zip(points, rows, strict=True):
-        inside(t, row["t"])
-        inside(x, row["x"])
+    return D, [motion.from_centre(factors) for motion in motions]
 
-    def apart(i, later):
-        """Return whether t or x of event i surely differs from that of event 0, `later` forcing
-        periods later.
-        """
-        (t, x) = points[i]
-        (t0, x0) = points[0]
-        return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)
 
-    least(events, periods, apart)
+def check_multipliers(data, D):
+    """Raise Stop unless the eigenvalues of D and the stability are those that the file states (2
+    above).
+    """
     T = D[0, 0] + D[1, 1]
     d = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
-    if any(row["kind"] == "stick" for row in rows):  # where the time alone says what follows
+    # After a stick the time of its end alone says what follows.
+    sticks = any(row["kind"] == "stick" for row in data["events"])
+    if sticks:
         d = arb(0)
     for (re, im), ends in zip(eigenvalues(T, d), data["multipliers"], strict=True):
         inside(re, ends["re"])
@@ -357,17 +385,6 @@ def orbit(data, source, limits):
             require(abs(margin), "whether it is stable")
         stable = all(margin > 0 for margin in margins)
         check(data["stable"] is stable, "an orbit that is not as stable as it is said to be")
-    kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[data["stable"]]
-    first = (
-        f"{kind} {data['word']} of {periods} forcing period{'s' * (periods != 1)}, the only one "
-        "within"
-    )
-    first += " {} in t and {} in x".format(*source["alone_within"])
-    shown = [
-        f"multiplier: {' .. '.join(ends['re'])} + i ({' .. '.join(ends['im'])})"
-        for ends in source["multipliers"]
-    ]
-    return [first, base.about(source["parameters"]), *base.table(source["events"]), *shown]
 
 
 # -- the oscillator with parameters that vary ------------------------------------------------------
@@ -1018,23 +1035,13 @@ def branch(data, source, limits):
         box = (row["value"],)
         what = "for all values from {} to {}".format(*row["value"])
         tried.append(in_parts(partial(family, problem, data, events, row), box, MOST_PARTS, what))
-    least(events, periods, lambda *shift: any(each.apart(*shift) for each in tried))
+    least(events, periods, lambda *shift: any(orbits.apart(*shift) for orbits in tried))
     first = (
         f"an orbit {data['word']} for every {name} from {source['range'][0]} to "
         f"{source['range'][1]}"
     )
     first += f", by {len(rows)} intervals"
-    sides = data["ends"], (rows[0], rows[-1]), span, (-1, 1), source["ends"]
-    for end, row, inner, side, shown in zip(*sides, strict=True):
-        beyond = side * (end["outside"] - end["inside"])
-        right = (
-            end["inside"] == inner and beyond >= 0 and (beyond == 0) == (end["kind"] == RANGE_END)
-        )
-        check(right, "an end of the range, or one outside of it")
-        if beyond:
-            fails(problem, data, events, end, row)
-            between = (shown["inside"], shown["outside"])[::side]
-            first += "; {} between {} and {}: {}".format(end["kind"], *between, end["inequality"])
+    first += "".join(proven_ends(problem, data, source, events))
     if data["stable"]:
         stable = "stable for every value"
     else:
@@ -1050,6 +1057,23 @@ def branch(data, source, limits):
         f"{row['value'][0]} <= {name} <= {row['value'][1]}: {pairs(row)}" for row in source["boxes"]
     ]
     return [first, about, *note, *base.table(source["events"]), *shown]
+
+
+def proven_ends(problem, data, source, events):
+    """Prove both ends of a branch, and yield a text about each one that is not an end of the
+    range.
+    """
+    rows = data["boxes"]
+    sides = data["ends"], (rows[0], rows[-1]), data["range"], (-1, 1), source["ends"]
+    for end, row, inner, side, shown in zip(*sides, strict=True):
+        beyond = side * (end["outside"] - end["inside"])
+        is_of_range = end["kind"] == RANGE_END
+        right = end["inside"] == inner and beyond >= 0 and (beyond == 0) == is_of_range
+        check(right, "an end of the range, or one outside of it")
+        if beyond:
+            fails(problem, data, events, end, row)
+            low, high = (shown["inside"], shown["outside"])[::side]
+            yield f"; {end['kind']} between {low} and {high}: {end['inequality']}"
 
 
 def pairs(row):

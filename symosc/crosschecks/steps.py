@@ -324,10 +324,13 @@ def phases(parameters: Parameters, t: Any) -> np.ndarray:
     context = mp_context(60)
     Om = parameters.Omega
     exact = context.mpf(Om.numerator) / Om.denominator / (2 * context.pi)  # turns per time
+    # Turns of large times have no digits left in doubles: the product with the leading part of
+    # `exact` is split into a double and its error, whole turns are taken off, and then what is
+    # small is added.
     high = float(exact)
     turns, lost = two_product(t, high)
-    part = (turns - np.floor(turns)) + (lost + t * float(exact - high))
-    theta = (part - np.floor(part)) * (2.0 * pi)
+    fraction = (turns - np.floor(turns)) + (lost + t * float(exact - high))
+    theta = (fraction - np.floor(fraction)) * (2.0 * pi)
     return np.asarray(np.where(theta >= TWO_PI, 0.0, theta))
 
 

@@ -36,6 +36,9 @@ NOTE = (
     "velocities were not given: they are those with which the exact motion leads from one position "
     "to the next"
 )
+NOTE_OF_LEFT_OUT = (
+    "samples at the beginning that are left out, since the positions do not tell their velocity"
+)
 NOTE_OF_ROUNDED = (
     "velocities were not given: they are those of an exact motion that has the rounded positions"
 )
@@ -194,20 +197,16 @@ def _from_positions(
         raise ParameterError(
             "v", None, "is missing, and the positions are too far apart to tell it: give velocities"
         )
-    left_out = (
-        "samples at the beginning that are left out, since the positions do not tell their velocity"
-    )
     # Before the first known velocity an event hides that at which the first step began.
     known = int(np.argmax(~np.isnan(v)))
-    if known == 0:
-        notes = (*samples.notes, NOTE)
-    else:
-        notes = (*samples.notes, NOTE, f"{left_out}: {known}")
+    notes = (*samples.notes, NOTE)
+    if known:
+        notes = (*notes, f"{NOTE_OF_LEFT_OUT}: {known}")
     v = _continued(K, t, x, v, theta)
     # Inside a stick v is that of the belt; at its ends the mass may be just before or after it.
     on = (v == K.belt1.v) | (v == K.belt2.v)
-    inside = on & np.append(True, on[:-1]) & np.append(on[1:], True)
-    off = np.where(inside, 0.0, off)
+    stays_on = on & np.append(True, on[:-1]) & np.append(on[1:], True)
+    off = np.where(stays_on, 0.0, off)
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
 
 

@@ -29,7 +29,7 @@ from fractions import Fraction
 from functools import partial
 from itertools import product
 from math import inf, pi
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from mpmath.ctx_iv import MPIntervalContext
@@ -248,41 +248,39 @@ def check_grazing(
             if advance:
                 advance(done / n, done)
         parts.append(_decide_special(ways))
-    phases, inside, margins, offsets, finely, orders, *verdicts = map(
-        np.concatenate, zip(*parts, strict=True)
-    )
+    d = Decisions(*map(np.concatenate, zip(*parts, strict=True)))
     agreements = {}
     undecided: dict[Any, Any] = {}
     closest = {}
     words = ("does not graze", "grazes")
+    verdicts = (d.by_sign, d.by_flow, d.by_solver)
     for way, verdict in zip(WHY_UNDECIDED, verdicts, strict=True):
         decided = verdict != NOT_DECIDED
-        right = decided & ((verdict == YES) == inside)
+        right = decided & ((verdict == YES) == d.inside)
         agreements[way] = int(right.sum())
         if decided.all():
             undecided[way] = {}
         else:
             undecided[way] = {WHY_UNDECIDED[way]: int((~decided).sum())}
-        closest[way] = float(margins[right & (margins > 0)].min(initial=inf))
-        for j in np.nonzero(decided & ~right)[0]:
-            disagree(phases[j], way, words[int(inside[j])], words[int(verdict[j] == YES)])
-    by_sign, by_flow, _ = verdicts
-    distances = offsets[(by_sign != NOT_DECIDED) & (by_flow != NOT_DECIDED)]
+        closest[way] = float(d.margin[right & (d.margin > 0)].min(initial=inf))
+        for j in np.flatnonzero(decided & ~right):
+            disagree(d.phase[j], way, words[int(d.inside[j])], words[int(verdict[j] == YES)])
+    distances = d.offset[(d.by_sign != NOT_DECIDED) & (d.by_flow != NOT_DECIDED)]
     return GrazingReport(
         mapping=mapping,
         window=repr(window),
         case=window.case,
         seed=seed,
         n_random=n,
-        n_adversarial=len(phases) - n,
-        n_grazing=int(inside.sum()),
+        n_adversarial=len(d.phase) - n,
+        n_grazing=int(d.inside.sum()),
         agreements=agreements,
         undecided=undecided,
         mismatches=tuple(mismatches),
         closest=closest,
         closest_phase=float(distances.min(initial=inf)),
-        orders={order: int((orders == order).sum()) for order in (1, 2, 3) if order in orders},
-        finely=int(finely.sum()),
+        orders={order: int((d.order == order).sum()) for order in (1, 2, 3) if order in d.order},
+        finely=int(d.finely.sum()),
         seconds=time.perf_counter() - begin,
     )
 
@@ -296,15 +294,27 @@ def place_text(place: Place) -> str:
     return f"domain {place.domain} at belt {place.boundary} {direction}"
 
 
-# What is known of some phases, in columns: the phase, whether it is in the window, |G^(1)| over its
-# size, its distance from a phase with G^(1) = 0 (inf: not known), whether it took intervals, the
-# order that decides (0: none), and the verdicts of the three ways.
+class Decisions(NamedTuple):
+    """What is known of some phases, in columns.
+
+    The phase, whether it is in the window, |G^(1)| over its size, its distance from a phase with
+    G^(1) = 0 (inf: not known), whether it took intervals, the order that decides (0: none), and the
+    verdicts of the three ways.
+    """
+
+    phase: np.ndarray
+    inside: np.ndarray
+    margin: np.ndarray
+    offset: np.ndarray
+    finely: np.ndarray
+    order: np.ndarray
+    by_sign: np.ndarray
+    by_flow: np.ndarray
+    by_solver: np.ndarray
 
 
-def _decide_random(
-    ways: Ways, theta: np.ndarray, disagree: Callable[..., None]
-) -> tuple[np.ndarray, ...]:
-    """Decide by all three ways which random phases graze; return columns.
+def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None]) -> Decisions:
+    """Decide by all three ways which random phases graze.
 
     `disagree` is called where F is not 0.
     """
@@ -326,20 +336,22 @@ def _decide_random(
         value = ways.fine.context.mpf(float(theta[i]))
         (signs[i], orders[i]) = ways.verdict_by_intervals(value, False)
         flow[i] = ways.verdict_by_fine_flow(value)
-    columns = (
-        theta.astype(object),
-        inside,
-        np.abs(ways.slope(theta)),
-        np.full(len(theta), inf),
-        finely,
-        orders,
+    return Decisions(
+        phase=theta.astype(object),
+        inside=inside,
+        margin=np.abs(ways.slope(theta)),
+        offset=np.full(len(theta), inf),
+        finely=finely,
+        order=orders,
+        by_sign=signs,
+        by_flow=flow,
+        by_solver=ways.verdicts_by_solver(theta),
     )
-    return *columns, signs, flow, ways.verdicts_by_solver(theta)
 
 
-def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
+def _decide_special(ways: Ways) -> Decisions:
     """Decide, as `_decide_random` does, which phases at and beside zeros of G^(1) and multiples of
-    pi/2 graze; return such columns.
+    pi/2 graze.
     """
     import sympy
 
@@ -370,10 +382,22 @@ def _decide_special(ways: Ways) -> tuple[np.ndarray, ...]:
             margin = abs(ways.slope(value))
         inside = bool(ways.window.contains(phase))
         rows.append((phase, inside, margin, away, True, order, by_sign, by_flow, float(value)))
-    phases, *columns, floats = zip(*rows, strict=True)
-    exact_phases = np.empty(len(phases), dtype=object)
+    phases, are_inside, margins, distances, finely, orders, signs, flow, floats = zip(
+        *rows, strict=True
+    )
+    exact_phases = np.empty(len(phases), dtype=object)  # or numpy would convert them
     exact_phases[:] = phases
-    return exact_phases, *map(np.array, columns), ways.verdicts_by_solver(np.array(floats))
+    return Decisions(
+        phase=exact_phases,
+        inside=np.array(are_inside),
+        margin=np.array(margins),
+        offset=np.array(distances),
+        finely=np.array(finely),
+        order=np.array(orders),
+        by_sign=np.array(signs),
+        by_flow=np.array(flow),
+        by_solver=ways.verdicts_by_solver(np.array(floats)),
+    )
 
 
 class Ways:

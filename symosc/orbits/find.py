@@ -756,8 +756,10 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
     """
     K = equations.K
     damping = K.cm * max(abs(K.belt1.v), abs(K.belt2.v))
-    reach = (abs(K.f0) + max(abs(K.A1 - K.A3), damping)) / K.w0sq
-    return 0.5 * (K.A1 + K.A3) / K.w0sq, float(max(reach, K.V0 / K.Om))
+    by_forces = (abs(K.f0) + max(abs(K.A1 - K.A3), damping)) / K.w0sq
+    by_resonance = K.V0 / K.Om  # V0 is the velocity's amplitude in the steady motion
+    centre = 0.5 * (K.A1 + K.A3) / K.w0sq
+    return centre, float(max(by_forces, by_resonance))
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
