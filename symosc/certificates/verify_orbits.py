@@ -1269,25 +1269,32 @@ class Plan(NamedTuple):
     cuts: Any
 
 
+def pieces_of_word(text):
+    """Return the pieces (from, mode, to) of a word in order of time, a flight first; raise Stop if
+    they cannot follow each other.
+    """
+    digits = text[1:]
+    what = f"the word {text[:40]!r}"
+    is_word = text[:1] == "P" and 0 < len(digits) <= 200 and set(digits) <= set("12345678")
+    check(is_word, what, BAD)
+    pieces = [PIECES[int(digit) - 1] for digit in reversed(digits)]
+    check(any(mode < 4 for _, mode, _ in pieces), f"{what}, which has no flight", BAD)
+    while pieces[0][1] > 3:
+        pieces = pieces[1:] + pieces[:1]
+    for (_, mode, end), (start, after, _) in zip(pieces, pieces[1:] + pieces[:1], strict=True):
+        modes_at_belt = {start, start + 1, start + 3}
+        near = {mode, after} <= modes_at_belt and mode != after
+        check(end == start and near, f"{what}, whose maps do not follow each other", BAD)
+    return pieces
+
+
 class LabelCycle:
     """A word: its flights, and the equations r(u) = 0 for the unknowns u of its orbit (phases, x,
     durations).
     """
 
     def __init__(self, text, mirror):
-        digits = text[1:]
-        what = f"the word {text[:40]!r}"
-        check(
-            text[:1] == "P" and 0 < len(digits) <= 200 and set(digits) <= set("12345678"), what, BAD
-        )
-        pieces = [PIECES[int(digit) - 1] for digit in reversed(digits)]
-        check(any(mode < 4 for _, mode, _ in pieces), f"{what}, which has no flight", BAD)
-        while pieces[0][1] > 3:  # begin with a flight
-            pieces = pieces[1:] + pieces[:1]
-        for (_, mode, end), (start, after, _) in zip(pieces, pieces[1:] + pieces[:1], strict=True):
-            modes_at_belt = {start, start + 1, start + 3}
-            near = {mode, after} <= modes_at_belt and mode != after
-            check(end == start and near, f"{what}, whose maps do not follow each other", BAD)
+        pieces = pieces_of_word(text)
         self.text = text
         self.count = len(pieces)
         half = len(pieces) // 2

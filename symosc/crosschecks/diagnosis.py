@@ -87,14 +87,15 @@ def _cause_of_wrong_steps(check: Verdict) -> Diagnosis:
             for stage in STAGES:
                 named = repeated.confirmed(_explaining(case, stage, check))
                 if named:
-                    first, *others = named
-                    as_good = [
-                        diagnosis
-                        for diagnosis in others
-                        if diagnosis.share >= first.share - AS_GOOD
-                    ]
-                    return replace(first, alternatives=tuple(as_good))
+                    return _with_alternatives(named)
     return _unknown(check)
+
+
+def _with_alternatives(named: list[Diagnosis]) -> Diagnosis:
+    """Return the best diagnosis, with the others that explain the samples as well."""
+    first, *others = named
+    as_good = [diagnosis for diagnosis in others if diagnosis.share >= first.share - AS_GOOD]
+    return replace(first, alternatives=tuple(as_good))
 
 
 def _explaining(case: FaultySteps, stage: Iterable[Cause], check: Verdict) -> Iterator[Explanation]:

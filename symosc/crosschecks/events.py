@@ -141,70 +141,84 @@ def find_events(
     begins_run = (np.diff(label, prepend=0) != 0) | _reached_by_flight(steps, label, wrong)
     starts = np.flatnonzero(begins_run)
     ends = np.append(starts[1:], len(label)) - 1
-    events: list[FoundEvent] = []
-    reader = _Reader(steps, wrong)
-    # The last mode of the samples (0: none is known yet), and the last sample in it.
-    now = 0
-    since = 0
-
-    def move_to(domain: int, sample: int) -> None:
-        """Record the slip and the crosses that lead from the last mode to `domain`, where the mass
-        is at `sample`.
-        """
-        nonlocal now
-        if now > ON_BELT:
-            entered = min(NEIGHBOURS[now - ON_BELT], key=lambda d: abs(d - domain))
-            events.append(reader.event("slip", now - ON_BELT, now, entered, since, since, since))
-            now = entered
-        if now:
-            if domain > now:
-                direction = 1
-            else:
-                direction = -1
-            # No domain is between a domain and itself.
-            events.extend(
-                reader.event("cross", min(a, b), a, b, since, sample - 1, None)
-                for a, b in pairwise(range(now, domain + direction, direction))
-                if now != domain
-            )
-        now = domain
-
+    course = _Course(_Reader(steps, wrong))
     for first, last in zip(starts.tolist(), ends.tolist(), strict=True):
         mode = int(label[first])
         if mode <= ON_BELT:
-            move_to(mode, first)
-        elif reader.is_stick(mode, first, last):
-            if now:
-                if now > ON_BELT:
-                    before = now - ON_BELT + 0.5  # a belt lies between its two domains
-                else:
-                    before = now
-                move_to(min(NEIGHBOURS[mode - ON_BELT], key=lambda d: abs(d - before)), first)
-                events.append(
-                    reader.event("stick", mode - ON_BELT, now, mode, first - 1, first, first)
-                )
-            now = mode
-        else:
-            # A contact: the belt is crossed or grazed.
+            course.move_to(mode, first)
+        elif course.reader.is_stick(mode, first, last):
+            course.stick(mode, first)
+        else:  # a contact: the belt is crossed or grazed
             modes[first : last + 1] = 0
-            if last == len(wrong) or wrong[last] or (first and wrong[first - 1]):
+            if not course.has_passed(mode - ON_BELT, first, last):
                 continue
-            # Where the steps are right, the exact motion shows what happens at the contact.
-            source = int(steps.last[first - 1])
-            target = int(steps.first[last])
-            if not now:  # a start on the belt is not an event
-                source = target
-                now = target
-            if {source, target} == set(NEIGHBOURS[mode - ON_BELT]):
-                move_to(source, first)
-                events.append(
-                    reader.event("cross", mode - ON_BELT, source, target, first - 1, last, first)
-                )
-                now = target
-            elif now > ON_BELT or target != now:
-                continue
-        since = last
-    return events, modes
+        course.since = last
+    return course.events, modes
+
+
+class _Course:
+    """The modes that samples go through, and the events between them.
+
+    `now` is the last mode of the samples (0: none is known yet), `since` the last sample in it.
+    """
+
+    def __init__(self, reader: _Reader) -> None:
+        self.reader = reader
+        self.events: list[FoundEvent] = []
+        self.now = 0
+        self.since = 0
+
+    def move_to(self, domain: int, sample: int) -> None:
+        """Record the slip and the crosses that lead from the last mode to `domain`, where the mass
+        is at `sample`.
+        """
+        since = self.since
+        if self.now > ON_BELT:
+            belt = self.now - ON_BELT
+            entered = min(NEIGHBOURS[belt], key=lambda d: abs(d - domain))
+            slip = self.reader.event("slip", belt, self.now, entered, since, since, since)
+            self.events.append(slip)
+            self.now = entered
+        if self.now and self.now != domain:
+            direction = 1 if domain > self.now else -1
+            for source, target in pairwise(range(self.now, domain + direction, direction)):
+                belt = min(source, target)  # belt n lies between domains n and n + 1
+                cross = self.reader.event("cross", belt, source, target, since, sample - 1, None)
+                self.events.append(cross)
+        self.now = domain
+
+    def stick(self, mode: int, first: int) -> None:
+        """Record that the mass sticks from sample `first` on, and how it came to the belt."""
+        belt = mode - ON_BELT
+        if self.now:
+            if self.now > ON_BELT:
+                before = self.now - ON_BELT + 0.5  # a belt lies between its two domains
+            else:
+                before = self.now
+            self.move_to(min(NEIGHBOURS[belt], key=lambda d: abs(d - before)), first)
+            stick = self.reader.event("stick", belt, self.now, mode, first - 1, first, first)
+            self.events.append(stick)
+        self.now = mode
+
+    def has_passed(self, belt: int, first: int, last: int) -> bool:
+        """Record the cross at a contact, samples `first` to `last`, where the steps are right: there
+        the exact motion shows what happens. Return whether the mode at sample `last` is known.
+        """
+        wrong = self.reader.wrong
+        if last == len(wrong) or wrong[last] or (first and wrong[first - 1]):
+            return False
+        source = self.reader.last[first - 1]
+        target = self.reader.first[last]
+        if not self.now:  # a start on the belt is not an event
+            source = target
+            self.now = target
+        if {source, target} == set(NEIGHBOURS[belt]):
+            self.move_to(source, first)
+            cross = self.reader.event("cross", belt, source, target, first - 1, last, first)
+            self.events.append(cross)
+            self.now = target
+            return True
+        return self.now <= ON_BELT and target == self.now
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:

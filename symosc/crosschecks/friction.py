@@ -158,10 +158,9 @@ def drift(case: FaultySteps) -> Iterator[Explanation]:
 def _find_sticks(case: FaultySteps) -> StickSteps | None:
     """Return the telling steps with a stick, and some right ones; None if no wrong step has one."""
     s = case.steps
-    stuck = np.union1d(
-        np.flatnonzero((s.first > ON_BELT) | (s.last > ON_BELT)),
-        s.events.step[s.events.target > ON_BELT],
-    )
+    # Steps in which the exact motion sticks at the start, at the end, or in between.
+    at_ends = np.flatnonzero((s.first > ON_BELT) | (s.last > ON_BELT))
+    stuck = np.union1d(at_ends, s.events.step[s.events.target > ON_BELT])
     stuck = stuck[np.diff(s.t)[stuck] > 0.0]
     wrong = np.intersect1d(stuck, case.telling)
     right = case.thinned(stuck[~case.wrong[stuck]], MOST_RIGHT)

@@ -80,11 +80,8 @@ def match_events(
     slacks = np.broadcast_to(np.asarray(spreads, dtype=float), len(theirs)).tolist()
     our_times = [float(event.t) for event in ours]
     seconds = [None] * len(ours) if second_times is None else second_times
-    gaps = [
-        abs(second - time)
-        for second, time in zip(seconds, our_times, strict=True)
-        if second is not None
-    ]
+    both_times = zip(seconds, our_times, strict=True)
+    gaps = [abs(second - time) for second, time in both_times if second is not None]
     # No partner of an event is farther away from it than this.
     farthest = float(np.max(reaches, initial=0.0)) + max(gaps, default=0.0)
     pairs = []

@@ -499,15 +499,12 @@ def _shift_or_phase(case: FaultySteps, turn: float, error: float) -> Iterator[Ex
     clock = Diagnosis("time shift", "", words, evidence, shift, error / Om)
     change = f"with {shift:.17g} taken from t"
     moved = Explanation(clock, change, columns=lambda t, x, v: (t - shift, x, v), left=left)
-    # The scene's motion at the first sample's own time, at this phase or one of whole periods
-    # later.
-    if start is None:
-        off = np.zeros(3)
-    else:
-        off = np.abs(np.array([s.t[0], s.x[0], s.v[0]]) - start)
+    # Where the scene's own start is among the samples, at its own time, the clock is right.
     at_start = False
     if start is not None:
-        limits = [4.0 * np.spacing(abs(start[0])), *(1e3 * case.allowed[0])]
+        t0, _, _ = start
+        off = np.abs(np.array([s.t[0], s.x[0], s.v[0]]) - start)
+        limits = [4.0 * np.spacing(abs(t0)), *(1e3 * case.allowed[0])]
         at_start = bool(case.offset) or not np.any(off > limits)
     if not at_start:
         yield moved
@@ -561,4 +558,5 @@ def jumps_of_clock(case: FaultySteps) -> Iterator[Explanation]:
 def _moved_after(
     time: float, shift: float, t: np.ndarray, x: np.ndarray, v: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the columns with `shift` taken from all times after a `time`."""
     return np.where(t > time, t - shift, t), x, v

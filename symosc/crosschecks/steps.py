@@ -345,43 +345,63 @@ def quiet_ends(rows: np.ndarray, left: np.ndarray, K: Constants) -> tuple[np.nda
     """
     numbers = np.flatnonzero(K.rate * left < 0.5)  # the bounds say nothing of longer steps
     tau = left[numbers]
-    asked = rows[numbers]
-    mode = asked["mode"]
-    theta = asked["theta"]
-    x = asked["x"]
-    v = asked["v"]
-    below = asked["Fb"]
-    above = asked["Fa"]
-    held = mode > ON_BELT
-    s = np.sin(theta)
-    c = np.cos(theta)
+    starts = rows[numbers]
+    x = starts["x"]
+    v = starts["v"]
+    held = starts["mode"] > ON_BELT
+    s = np.sin(starts["theta"])
+    c = np.cos(starts["theta"])
     E0, E1, E2, R2, I2, s_tau, c_tau = entire_array.basis(tau, K)
-    dx, dv, _ = motion(v, below, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    dx, dv, _ = motion(v, starts["Fb"], s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     ends = np.column_stack([x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv)])
-    # A stick lasts if both forces keep their sign over the step: they are off the chord between
-    # their values at its ends by at most h^2/8 times their second derivative, and by rounding.
+    turned = (c * c_tau - s * s_tau) - c  # how much cos(theta) changes
+    lasts = _sticks_last(starts, tau, turned, K)
+    _, end_v = ends.T
+    quiet = np.where(held, lasts, _flights_stay(starts, tau, end_v, K))
+    return numbers[quiet], ends[quiet]
+
+
+def _sticks_last(
+    starts: np.ndarray, tau: np.ndarray, turned: np.ndarray, K: Constants
+) -> np.ndarray:
+    """Return which starts, if they stick, do so for the time tau, in which cos(theta) changes by
+    `turned`: both forces keep their sign.
+    """
+    x = starts["x"]
+    v = starts["v"]
+    below = starts["Fb"]
+    above = starts["Fa"]
+    # They are off the chord between their values at the ends of the step by at most tau^2/8 times
+    # their second derivative, and by rounding.
     off = 0.125 * tau * tau * abs(K.fB) * K.Om
     off += CLEARANCE * (
         np.abs(below) + np.abs(above) + K.w0sq * np.abs(x) + K.cm * np.abs(v) + 2.0 * abs(K.f0)
     )
-    turned = (c * c_tau - s * s_tau) - c  # how much cos(theta) changes
-    lower, upper = (
+    below_then, above_then = (
         stick_acceleration(force, v, tau, turned, K.w0sq, K.f0) for force in (below, above)
     )
-    lasts = (np.minimum(below, lower) > off) & (np.maximum(above, upper) < -off)
-    # A flight stays in its domain if the chord, widened by what v may be off it, does. `most` is a
-    # bound of the acceleration.
-    most = np.hypot(below, K.w0 * v) + abs(K.fB) * tau
-    off = 0.125 * tau * tau * ((K.cm + K.w0) * most + abs(K.fB))
-    off += CLEARANCE * (np.abs(v) + np.abs(ends[:, 1]))
+    is_held_below = np.minimum(below, below_then) > off
+    is_held_above = np.maximum(above, above_then) < -off
+    return np.asarray(is_held_below & is_held_above)
+
+
+def _flights_stay(
+    starts: np.ndarray, tau: np.ndarray, end_v: np.ndarray, K: Constants
+) -> np.ndarray:
+    """Return which starts, if they fly, stay in their domain for the time tau, after which they
+    have the velocity `end_v`: the chord of v, widened by what v may be off it, does.
+    """
+    v = starts["v"]
+    most_a = np.hypot(starts["Fb"], K.w0 * v) + abs(K.fB) * tau
+    off = 0.125 * tau * tau * ((K.cm + K.w0) * most_a + abs(K.fB))
+    off += CLEARANCE * (np.abs(v) + np.abs(end_v))
     speeds = np.array([K.belt1.v, K.belt2.v])
     lower_walls = np.append(-np.inf, speeds + CLEARANCE * np.abs(speeds))
     upper_walls = np.append(speeds - CLEARANCE * np.abs(speeds), np.inf)
-    domain = np.minimum(mode.astype(int), 3)  # a row on a belt is no flight
-    stays = np.minimum(v, ends[:, 1]) - off > lower_walls[domain - 1]
-    stays &= np.maximum(v, ends[:, 1]) + off < upper_walls[domain - 1]
-    quiet = np.where(held, lasts, stays)
-    return numbers[quiet], ends[quiet]
+    domain = np.minimum(starts["mode"].astype(int), 3)  # a row on a belt is no flight
+    stays = np.minimum(v, end_v) - off > lower_walls[domain - 1]
+    stays &= np.maximum(v, end_v) + off < upper_walls[domain - 1]
+    return np.asarray(stays)
 
 
 # -- steps that need the event search --------------------------------------------------------------

@@ -369,7 +369,8 @@ class BackwardSteps:
             end = tuple(rows[-3:])
             low = v + min(changes)
             high = v + max(changes)
-        # The remainder is bounded by the last coefficient and the next one (`behind`).
+        # Errors of v and of the energy at the end of the step: those at its start, which grow, and
+        # new ones. The remainder is bounded by the last coefficient and the next one (`behind`).
         remainder = self.growth * (abs(behind) + K.w0 * H * abs(T[-1]) / n + self.drive_remainder)
         drive = abs(K.fB) * (1 + abs(theta) + K.Om * tau)
         rounding = BACKWARD_ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + drive) * H * H)

@@ -228,6 +228,7 @@ def start_of(
     theta = theta_m - flights.K.Om * arrival.tau
     two_pi = 2 * context.pi
     theta -= two_pi * context.floor(theta / two_pi)
+    # `nowhere`: no start is found; `matches`: it is the one that is looked for.
     is_contact = kind in (backward.CONTACT, backward.TOUCH)
     if until is None:
         nowhere = not is_contact
@@ -238,16 +239,13 @@ def start_of(
     reason = None
     if not matches:
         point = f"belt {boundary} at t = {float(t):.12g}"
-        if kind == backward.TOUCH:
-            verb = "touches"
-        else:
-            verb = "comes from"
-        if not nowhere and until is None:
-            reason = f"the flow {verb} {point}, x = {float(x):.12g}, not belt {belt}"
-        elif not nowhere:
-            reason = f"between t0 and t_m the flow {verb} {point}, x = {float(x):.12g}"
-        else:
+        verb = "touches" if kind == backward.TOUCH else "comes from"
+        if nowhere:
             reason = _reason_nowhere(kind, float(t), belt, point, periods)
+        elif until is None:
+            reason = f"the flow {verb} {point}, x = {float(x):.12g}, not belt {belt}"
+        else:
+            reason = f"between t0 and t_m the flow {verb} {point}, x = {float(x):.12g}"
     shown = mp_context(decimals)
 
     def out(value: Number) -> Number:
