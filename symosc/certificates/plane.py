@@ -476,7 +476,7 @@ class BoxEquations:
         turns = list[list[int]]()
         cuts = list[list[Cut] | None]()
         for i, leg in enumerate(self.legs):
-            end = self.next_start(o, i, u, flown)[0]
+            end, _ = self.next_start(o, i, u, flown)
             begin = u[leg.at] + o.Omega * u[leg.tau]
             turns.append(self.turns_between(o, leg.piece.end, begin, end) if leg.stick else [])
             cuts.append(self.cuts(o, leg, u) if leg.piece.start == leg.piece.end else None)
@@ -813,7 +813,8 @@ class Surface:
         for _ in range(MOST_NEWTON):
             u = self.u.entries()
             flown, r = flights.residuals(o, u)
-            self.J = arb_mat(flights.jacobian(o, u)[1])
+            _, rows = flights.jacobian(o, u)
+            self.J = arb_mat(rows)
             self.Y = self.J.mid().inv().mid()
             step = (self.Y * column(r)).mid()
             self.u = (self.u - step).mid()
@@ -939,7 +940,11 @@ class Surface:
         Return bounds of what rounding leaves of the terms of order 0, 1 and 2, and the orbits as
         series from the middle of the box along the first three DIRECTIONS.
         """
-        da, db = (-self._coefficients(d, [self.u], 2, False)[0][1].mid() for d in DIRECTIONS[:2])
+        slopes = list[arb_mat]()
+        for d in DIRECTIONS[:2]:
+            (_, order_1), _ = self._coefficients(d, [self.u], 2, False)
+            slopes.append(-order_1.mid())
+        da, db = slopes
         thin = list[Orbits]()
         bends = list[arb_mat]()
         rounding = [arb(0)] * self.flights.count

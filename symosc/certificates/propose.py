@@ -276,13 +276,11 @@ def _statements(task: ToProve) -> Iterator[Record]:
     for wider in WIDER:
         wide_rows = []
         for row, ends in zip(rows, sets, strict=True):
-            wide = {
-                name: known(
-                    around((low + high) / 2, (high - low) / 2 * Fraction(wider)), task.digits
-                )
-                for name, (low, high) in zip("tx", ends, strict=True)
-            }
-            wide_rows.append(row | wide)
+            wide_row = dict(row)
+            for name, (low, high) in zip("tx", ends, strict=True):
+                wide = around((low + high) / 2, (high - low) / 2 * Fraction(wider))
+                wide_row[name] = known(wide, task.digits)
+            wide_rows.append(wide_row)
         yield statement | {"events": wide_rows}
 
 
@@ -457,11 +455,12 @@ def first_entries(task: ToProve, digits: int) -> Record:
 def _derivatives(task: ToProve, run: Trajectory) -> Record:
     """Return the derivatives of all events by `task.wrt` as entries of the file, or raise NothingProposed."""
     count = len(run.events)
+    _, _, v0 = task.start
     for name in task.wrt:
-        if name not in provable(task.p, task.start[2]):
-            on_belt = task.start[2] in (task.p.v1, task.p.v2) and name[0] == "v"
+        if name not in provable(task.p, v0):
+            is_on_belt = v0 in (task.p.v1, task.p.v2) and name.startswith("v")
             where = "at resonance or where it is 0"
-            if on_belt:
+            if is_on_belt:
                 where = "of a start on a belt"
             raise open_after(task, run, f"a derivative by {name} {where}", task.digits)
     if any(event.kind == "graze" for event in run.events):

@@ -667,7 +667,7 @@ class CheckedPiece:
         # By the domain or belt where the mode ends: the sign of F or of v less the belt's speed.
         self.ends = {belt: 1, belt + 1: -1}
         if mode < 4:
-            self.a = self.force(mode, 0, t)[0]
+            self.a, _, _ = self.force(mode, 0, t)
         else:
             self.a = arb(0)
         # A start that is later by `late` is one at t with another x and v.
@@ -679,7 +679,7 @@ class CheckedPiece:
             (a, b) = e.steady
             sine, cosine = (e.Om * t).sin_cos()
             self.y = self.x - e.A[mode] / e.k - a * cosine - b * sine
-            force = self.force(mode, 0, t)[0]
+            force, _, _ = self.force(mode, 0, t)
             self.dy = self.v - e.Om * (b * cosine - a * sine)
             self.ddy = force + e.Om * e.Om * (a * cosine + b * sine)
 
@@ -1555,7 +1555,11 @@ class Box:
         p = [arb(0)] * word.size
         bends = []
         lines = []
-        a, b = (-self.series(side, [self.u], 2)[0][1].mid() for side in SIDES[:2])
+        slopes_at_middle = []
+        for side in SIDES[:2]:
+            (_, order_1), _ = self.series(side, [self.u], 2)
+            slopes_at_middle.append(-order_1.mid())
+        a, b = slopes_at_middle
         for i, j in SIDES[:3]:
             line = [self.u, i * a + j * b]
             lines.append(line)
@@ -1591,7 +1595,8 @@ class Box:
         form = A, (plus - minus) / 2 - D, (plus + minus) / 2 - A, D
         parts = zip(p, *(cube.entries() for cube in form), strict=True)
         p = [(total + sum(map(abs, values), zero)).upper() for total, *values in parts]
-        tube = self.contract(p, u, [slopes(*side)[0] for side in SIDES[:2]])
+        along_sides = [slopes(*side) for side in SIDES[:2]]
+        tube = self.contract(p, u, [slope for slope, _ in along_sides])
         around = u + column([arb(0, radius) for radius in tube])
         self.prove_margins(around, tube, plan, lines, bends_of_margins)
 
@@ -1610,10 +1615,11 @@ class Box:
         )
         check(same, "which turns are in a stick", OPEN)
         by_u = [of_margins for _, of_margins in self.columns(e, around, plan)]
-        along_a, along_b = (
-            self.series(side, rows, 2, False, plan)[1]
-            for side, rows in zip(SIDES[:2], lines, strict=False)
-        )
+        margins_along = []
+        for side, rows in zip(SIDES[:2], lines, strict=False):
+            _, margins = self.series(side, rows, 2, False, plan)
+            margins_along.append(margins)
+        along_a, along_b = margins_along
         for i, (by_a, by_b) in enumerate(zip(along_a, along_b, strict=True)):
             bend_a, bend_b, bend_both = (of_margins[i] for of_margins in bends[:3])
             least = coefficient(by_a) - abs(coefficient(by_a, 1)) - abs(coefficient(by_b, 1))
@@ -1674,7 +1680,8 @@ class Box:
         """Return second Taylor coefficients of Y r along `side`, all over the box, if u changes at
         the rate `slope`.
         """
-        return self.series(side, [u, slope, 0 * slope], 3, True)[0][2]
+        (_, _, order_2), _ = self.series(side, [u, slope, 0 * slope], 3, True)
+        return order_2
 
 
 def rests(p, over, box):

@@ -91,7 +91,8 @@ def _width(case: FaultySteps, i: int, curve: Callable[[float], float]) -> float 
 
     # The wider the curve, the larger its effect: 1 is left with a narrow one, and less than 0 with
     # one that is too wide.
-    logs = np.log(WIDTHS * float(np.diff(case.steps.belts)[0])).tolist()
+    v1, v2 = case.steps.belts
+    logs = np.log(WIDTHS * float(v2 - v1)).tolist()
     left_before = left(logs[0])
     for before, after in pairwise(logs):
         left_after = left(after)
@@ -140,7 +141,8 @@ def drift(case: FaultySteps) -> Iterator[Explanation]:
         _, first_of_step = np.unique(step_numbers[order], return_index=True)
         return rows[order[first_of_step]]
 
-    fit = fitted(lambda rate: misses(rate)[wrong], np.zeros(1), np.array([1e-6 * case.scales[1]]))
+    _, scale_v = case.scales
+    fit = fitted(lambda rate: misses(rate)[wrong], np.zeros(1), np.array([1e-6 * scale_v]))
     if fit is None:
         return
     rate = float(fit.value[0])

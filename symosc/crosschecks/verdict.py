@@ -316,6 +316,7 @@ def _coarser(comparison: Comparison, verdict: Verdict) -> Verdict | None:
     spans = verdict.wrong_spans
     first_samples, last_samples = spans.T
     in_spans = np.sum(last_samples - first_samples)
+    # If half of the steps in the spans are wrong by themselves, longer steps show no more.
     if len(spans) < FEWEST_SPANS or 2 * len(verdict.wrong_steps) >= in_spans:
         return None
     samples = comparison.task.samples
@@ -508,14 +509,15 @@ class Comparison:
     def verdict(self) -> Verdict:
         """Compare the events too, and return the verdict."""
         task = self.task
-        label = labels(self.steps, self.near, np.maximum(self.near, STICK_DRIFT * self.scales[1]))
+        scale_x, scale_v = self.scales.tolist()
+        label = labels(self.steps, self.near, np.maximum(self.near, STICK_DRIFT * scale_v))
         shown, modes = find_events(self.steps, label, self.wrong)
         matching = self._match(shown, label)
         return Verdict(
             trajectory=self.trajectory,
             errors=self.errors,
             limits=self.limits,
-            scales=(float(self.scales[0]), float(self.scales[1])),
+            scales=(scale_x, scale_v),
             defects=self.steps.defects,
             allowed=self.allowed,
             wrong_spans=self.spans,
@@ -584,7 +586,8 @@ class Comparison:
         """
         errors = np.abs(self.errors)
         within = np.where(np.isnan(errors), 0.0, np.fmin(errors, self.limits))
-        allowed_v = self.task.tolerance * float(self.scales[1])
+        _, scale_v = self.scales.tolist()
+        allowed_v = self.task.tolerance * scale_v
         return TimeTolerances(
             self.steps, within + self.loose, allowed_v, self.task.tolerance, self.listed
         )

@@ -326,13 +326,13 @@ def _decide_random(ways: Ways, theta: np.ndarray, disagree: Callable[..., None])
         terms = [constant_force(ways.place.domain, K), drive, spring, -K.cm * ways.v]
         F = sum(terms)
         size = sum(map(abs, terms))
-        for i in np.nonzero(np.abs(F) > FLOW_ROUNDING * EPS * size)[0]:
+        for i in np.flatnonzero(np.abs(F) > FLOW_ROUNDING * EPS * size):
             disagree(theta[inside][i], "contact", "F = 0", f"F = {F[i]}")
     signs = ways.verdicts_by_sign(theta)
     flow = ways.verdicts_by_flow(theta)
     orders = np.ones(len(theta), dtype=int)
     finely = (signs == NOT_DECIDED) | (flow == NOT_DECIDED)
-    for i in np.nonzero(finely)[0]:
+    for i in np.flatnonzero(finely):
         value = ways.fine.context.mpf(float(theta[i]))
         (signs[i], orders[i]) = ways.verdict_by_intervals(value, False)
         flow[i] = ways.verdict_by_fine_flow(value)
@@ -355,12 +355,7 @@ def _decide_special(ways: Ways) -> Decisions:
     """
     import sympy
 
-    zeros: set[Expr] = set()  # where G^(1) = 0 exactly
-    if ways.amplitude and abs(ways.gamma) <= abs(ways.amplitude):
-        angle = sympy.asin(symbolic(-ways.gamma / ways.amplitude))
-        zeros = {
-            end + 2 * sympy.pi if end.is_negative else end for end in (angle, sympy.pi - angle)
-        }
+    zeros = _exact_zeros(ways)
     quarters = {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}
     special = sorted(zeros | quarters, key=float)
     offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in range(3, 15) for sign in (1, -1)]
@@ -398,6 +393,17 @@ def _decide_special(ways: Ways) -> Decisions:
         by_flow=np.array(flow),
         by_solver=ways.verdicts_by_solver(np.array(floats)),
     )
+
+
+def _exact_zeros(ways: Ways) -> set[Expr]:
+    """Return the phases in [0, 2 pi) at which G^(1) = 0 exactly."""
+    import sympy
+
+    if not ways.amplitude or abs(ways.gamma) > abs(ways.amplitude):
+        return set()
+    angle = sympy.asin(symbolic(-ways.gamma / ways.amplitude))
+    ends = (angle, sympy.pi - angle)
+    return {end + 2 * sympy.pi if end.is_negative else end for end in ends}
 
 
 class Ways:
@@ -554,7 +560,7 @@ class Ways:
         verdicts = np.zeros(len(theta), dtype=int)
         # What the long time leaves undecided, the short one may decide: its third-order term is small.
         for time_over_rate in (1e-2, 1e-13):
-            left = np.nonzero(verdicts == NOT_DECIDED)[0]
+            left = np.flatnonzero(verdicts == NOT_DECIDED)
             if len(left):
                 tau = time_over_rate / self.K.rate
                 before = self.gap_by_solver(theta[left], -tau)

@@ -230,6 +230,7 @@ def loss_of_word(
         else:
             low = middle
     at_border = place + high * segment
+    # Beside the border, by a small part of the way inside.
     near = place + (high + (1 - high) * BESIDE[1]) * segment
     # The border's node gives a guess for the orbit beside it, whose word may differ from that of
     # `inside`; the border is then that of this orbit.

@@ -618,11 +618,13 @@ class ClosedForm(BorderSystem):
 
     def _sizes(self, u: Sequence[float]) -> np.ndarray:
         """Return the size of the terms of the residual."""
-        return np.array([0.0 if self.line else abs(self.terms(u)[1])])
+        _, drives = self.terms(u)
+        return np.array([0.0 if self.line else abs(drives)])
 
     def along(self, values: np.ndarray) -> np.ndarray:
         """Return the direction of the border at a point of it, in scaled unknowns."""
-        a, b = (self._linearised(values.tolist())[1] * self.scale)[0]
+        _, matrix = self._linearised(values.tolist())
+        ((a, b),) = matrix * self.scale  # the gradient of the one residual
         return np.array([b, -a]) / linear.norm(np.array([a, b]))
 
     def margins(self, z: np.ndarray) -> list[Condition]:

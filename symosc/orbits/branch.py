@@ -439,7 +439,9 @@ class Curve:
         self.value = float(getattr(orbit.parameters, parameter))
         n = len(self.start)
         # Switching points may lie close together on an orbit that moves far.
-        size = max(np.ptp(self.start[:, 0]), 0.1 * largest_displacement(orbit.equations())[1])
+        positions, _ = self.start.T
+        _, largest = largest_displacement(orbit.equations())
+        size = max(np.ptp(positions), 0.1 * largest)
         # The points together weigh as much as the parameter.
         self.scale = np.append(np.tile([size, 1.0], n) * np.sqrt(n), high - low)
         self._equations: dict[float, ClosingEquations] = {}
