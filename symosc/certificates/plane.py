@@ -389,14 +389,17 @@ class BoxEquations:
                 sign = -1  # x of a mirror image
             else:
                 sign = 1
-            # Rows of the residuals: v meets the belt, x and (without stick) the phase join on.
+            # Rows of the residuals: v meets the belt, x and (without stick) the phase join on. First
+            # by the flight's own unknowns, which are next to each other.
             v_row, x_row, phase_row = ([arb(0)] * self.count for _ in range(3))
-            v_row[leg.at : leg.tau + 1] = by["v"]
-            x_row[leg.at : leg.tau + 1] = by["x"]
+            own = slice(leg.at, leg.tau + 1)
+            v_row[own] = by["v"]
+            x_row[own] = by["x"]
+            # Then by those of the next flight, where x has to be its x0.
             for j, entry in enumerate(slopes[follows]["x0"], next_phase):
                 x_row[j] -= sign * entry
             rows += [v_row, x_row]
-            if leg.stick:
+            if leg.stick:  # which moves on at this speed until the next phase
                 speed = o.speed[leg.piece.end]
                 for j, entry in (
                     (next_phase, speed / o.Omega),

@@ -345,6 +345,7 @@ class BranchProposal:
         if not isinstance(first, OrbitInDigits):
             first = self.orbit(low, first)
         middle = self.orbit((low + high) / 2, first.points)
+        # The upper end is about as far from the middle as the middle is from the lower end.
         ahead = [
             (2 * t - t_before, 2 * x - x_before)
             for (t_before, x_before), (t, x) in zip(first.points, middle.points, strict=True)

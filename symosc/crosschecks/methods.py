@@ -396,15 +396,15 @@ def _shares_below(
         in_v, in_x = WIDE_MARGINS
     else:
         in_v, in_x = MARGINS
-    exact = s.states[steps + 1] + s.defects[steps]
-    _, above_v = above.T
-    _, exact_v = exact.T
-    _, end_v = s.states[steps + 1].T
+    # Where the samples end, and the exact motion.
+    end_x, end_v = s.states[steps + 1].T
+    _, exact_v = (s.states[steps + 1] + s.defects[steps]).T
+    above_x, above_v = above.T
+    # For which share of the step the force below acts, by v; and which share of its effect on x it
+    # has: share^2 if it acts last, 2 share - share^2 if it acts first, or something in between.
     share = (end_v - above_v) / gap_v
     exact_share = (exact_v - above_v) / gap_v
-    end_x, _ = (s.states[steps + 1] - above).T
-    share_of_x = end_x / gap_x
-    # If the force below acts last, it has share^2 of its effect on x; if first, the most.
+    share_of_x = (end_x - above_x) / gap_x
     is_bounded = (share_of_x >= share**2 - in_x) & (share_of_x <= 2.0 * share - share**2 + in_x)
     is_bounded &= (share >= -in_v) & (share <= 1.0 + in_v)
     return is_bounded, share - exact_share

@@ -311,7 +311,11 @@ def follow_from(
     quiet, states = quiet_ends(rows, tau, K)
     ends[quiet] = states
     busy = np.delete(np.arange(len(rows)), quiet)
-    modes[1, busy], ends[busy], events = _follow(rows[busy], tau[busy], K)
+    followed = _follow(rows[busy], tau[busy], K)
+    _, last_modes = modes
+    last_modes[busy] = followed.modes
+    ends[busy] = followed.ends
+    events = followed.events
     # From rows of `busy` and times since the start of a step to its number and times of samples.
     origin = steps[busy[events.step]]
     events = events._replace(step=origin, t=t[origin] + events.t)
@@ -407,33 +411,40 @@ def _flights_stay(
 # -- steps that need the event search --------------------------------------------------------------
 
 
-def _follow(
-    rows: np.ndarray, left: np.ndarray, K: Constants
-) -> tuple[np.ndarray, np.ndarray, StepEvents]:
-    """Follow each start event by event for its time `left`.
-
-    Return final modes, final states [x, v], and events.
+class FollowedStarts(NamedTuple):
+    """The modes and states [x, v] in which starts end, and their events; `step` of an event is the
+    row of its start, and its time counts from there.
     """
+
+    modes: np.ndarray
+    ends: np.ndarray
+    events: StepEvents
+
+
+def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> FollowedStarts:
+    """Follow each start event by event for its time `left`."""
     batch = batch_of(rows.copy())
     follow = _step_loop(len(rows))
     numbers, table = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table_of([K])))
-    if loaded_loop() is None:
+    if loaded_loop() is None:  # these were interpreted: `_step_loop` compiles after too many
         FEW_STEPS.events -= len(rows)
     t, x, _, theta, *_ = numbers
     step, kind, boundary, _, target, *_ = table
     events = StepEvents(step.astype(int), t, x, theta, kind, boundary, target)
     undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(undecided):
+        # Where doubles could not decide, the starts are followed one by one.
         singles = list[tuple[Any, ...]]()
         for i in undecided.tolist():
             singles += _follow_one(batch, rows, i, K)
-        columns = StepEvents(*np.array(singles, dtype=float).reshape(-1, len(StepEvents._fields)).T)
+        table = np.array(singles, dtype=float).reshape(-1, len(StepEvents._fields))
+        columns = StepEvents(*table.T)
         integers = {name: getattr(columns, name).astype(int) for name in INTEGER_COLUMNS}
         events = _merged(events, columns._replace(**integers), undecided)
     modes = batch.states["mode"].astype(int)
     ends = _ends(rows, modes, left, events, K)
     ends[batch.codes == FAILED] = np.nan
-    return modes, ends, events
+    return FollowedStarts(modes, ends, events)
 
 
 def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:

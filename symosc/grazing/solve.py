@@ -363,6 +363,7 @@ class Candidates:
         one.
         """
         gap = abs(end.theta_m - point.theta_m)
+        # Four times the slope at the point, as it may grow towards the end.
         reachable = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
         if gap > 0 and abs(float(target) - point.value) <= reachable:
             solution = self._newton(point.theta_m, point.tau, target)
@@ -515,14 +516,16 @@ class Candidates:
         tau = context.mpf(tau)
         settled = False
         for _ in range(MOST_CURVE_NEWTON):
-            # Two equations: v at the start is that of the belt (by tau: -a, as tau runs backward),
-            # and the unknown has the value.
+            # Two equations: v at the start is that of the belt (its derivative by tau is -a, as tau
+            # runs backward), and the unknown has the value.
             start = self.flights.instant(theta, tau)
             gap = start.v - self.flights.v
             residual, by_theta, by_tau = self._equation(theta, tau, start, target)
             determinant = start.v_theta * by_tau + start.a * by_theta
             if determinant == 0:
                 return None
+            # Cramer's rule for v_theta dtheta - a dtau = -gap, by_theta dtheta + by_tau dtau =
+            # -residual.
             theta_step = (-gap * by_tau - residual * start.a) / determinant
             tau_step = (gap * by_theta - residual * start.v_theta) / determinant
             theta = theta + theta_step
