@@ -109,7 +109,7 @@ class Section(NamedTuple):
     end: Ball
 
 
-class Inequality(NamedTuple):
+class PositiveQuantity(NamedTuple):
     """A quantity that must be positive, and its derivatives with respect to the unknowns."""
 
     text: str
@@ -565,14 +565,14 @@ class BoxEquations:
         flown: Sequence[BoxFlight],
         plan: FlightChecks,
         slopes: Sequence[dict[str, Values]] = (),
-    ) -> list[Inequality]:
+    ) -> list[PositiveQuantity]:
         """Return the margins, which must be > 0 for the word: each one's text, value, and
         derivatives by the unknowns.
 
         `flown` has the flights, and `plan` the turns and cuts at which to look. Without `slopes`
         the derivatives are 0.
         """
-        inequalities = list[Inequality]()
+        inequalities = list[PositiveQuantity]()
 
         def add(text: str, value: Ball, *parts: tuple[int, Values]) -> None:
             """Add an inequality; its `parts` are derivatives by the unknowns from an index on."""
@@ -580,7 +580,7 @@ class BoxEquations:
             for first, entries in parts if slopes else ():
                 for j, entry in enumerate(entries, first):
                     row[j] += entry
-            inequalities.append(Inequality(text, value, row))
+            inequalities.append(PositiveQuantity(text, value, row))
 
         for i, (leg, flight) in enumerate(zip(self.legs, flown, strict=True)):
             belt = leg.piece.end

@@ -1260,7 +1260,7 @@ def marks(parts, longest):
     return [(round(time / tau * 512) / 512, reach) for time, reach in cuts]
 
 
-class Plan(NamedTuple):
+class WordChecks(NamedTuple):
     """Where the margins of a word are evaluated: the turns of the forces in the stick after each
     flight, and the cuts of each flight (None: short steps instead).
     """
@@ -1420,7 +1420,7 @@ class LabelCycle:
                 if len(cuts_of_flight) > MOST_CUTS:
                     cuts_of_flight = None
             cuts.append(cuts_of_flight)
-        return Plan(turns, cuts)
+        return WordChecks(turns, cuts)
 
     def stays(self, e, u, plan, problem):
         """Prove that no flight meets a belt before its end, for all unknowns in u, if all margins

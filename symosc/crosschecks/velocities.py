@@ -407,7 +407,7 @@ def _flight_velocities(
     return starts, ends
 
 
-class Nearest(NamedTuple):
+class NearestVelocities(NamedTuple):
     """How nearly a flight to a sample and one from it agree about its velocity, for inner samples.
 
     `gaps` has the smallest difference; `before` and `after` have the rows of the flight to the
@@ -419,7 +419,7 @@ class Nearest(NamedTuple):
     after: np.ndarray
 
 
-def _nearest(starts: np.ndarray, ends: np.ndarray) -> Nearest:
+def _nearest(starts: np.ndarray, ends: np.ndarray) -> NearestVelocities:
     """Return which flights over the steps on both sides of each inner sample agree best.
 
     `starts` and `ends` have the velocities at both ends of flights over steps, a row for each force
@@ -436,10 +436,12 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> Nearest:
             gaps[closer] = gap[closer]
             before[closer] = i
             after[closer] = j
-    return Nearest(gaps, before, after)
+    return NearestVelocities(gaps, before, after)
 
 
-def _agreed(starts: np.ndarray, ends: np.ndarray, nearest: Nearest, sure: np.ndarray) -> np.ndarray:
+def _agreed(
+    starts: np.ndarray, ends: np.ndarray, nearest: NearestVelocities, sure: np.ndarray
+) -> np.ndarray:
     """Return the velocities of samples at which a flight to and one from them agree, and of their
     neighbours; else NaN.
 
