@@ -482,7 +482,7 @@ def _continuous(left: Sample, right: Sample) -> bool:
     return not is_large or abs(change - expected) <= 0.25 * abs(change)
 
 
-class Edge(NamedTuple):
+class OriginEdge(NamedTuple):
     """A change of origin, or a jump of the start, at `theta_m`: new samples before it, and those
     behind it, the one that is farthest from it first.
     """
@@ -492,7 +492,7 @@ class Edge(NamedTuple):
     theta_m: float
 
 
-def _edge(tracer: Tracer, left: Sample, right: Sample) -> Edge | None:
+def _edge(tracer: Tracer, left: Sample, right: Sample) -> OriginEdge | None:
     """Locate the change of origin, or the jump of the start, between two samples; None if there is
     none. The first sample behind it is `right`.
     """
@@ -525,7 +525,7 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> Edge | None:
     is_jump = left.origin == OWN and not abs(right.theta - left.theta) < CURVE_JUMP
     if left.origin == right.origin and not is_jump:
         return None
-    return Edge(
+    return OriginEdge(
         [sample for sample in lefts if not sample.undecided],
         [sample for sample in rights if not sample.undecided],
         0.5 * (left.theta_m + right.theta_m),
