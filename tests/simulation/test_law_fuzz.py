@@ -68,11 +68,10 @@ class MissesTouches(Motion):
     """A distance of zero is none."""
 
     def sign(self, value: Any, scale: Any, what: str) -> int:
-        return (
-            super().sign(value, scale, what) or -1
-            if "distance" in what
-            else super().sign(value, scale, what)
-        )
+        found = super().sign(value, scale, what)
+        if found == 0 and "distance" in what:
+            return -1
+        return found
 
 
 class LeavesAtTurns(Motion):
