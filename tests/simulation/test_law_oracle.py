@@ -166,6 +166,16 @@ def test_the_papers_oracle(number: int) -> None:
             assert abs(here.x - there.x) < 1e-38 * max(1, abs(there.x))
 
 
+def test_decay_onto_a_belt_without_friction() -> None:
+    """What no digit tells from rest crosses nothing: m v' = A0 - c v ends at A0/c, a belt's speed."""
+    run = follow(1, 2, 0, 1, 0, None, 1, [LawBelt("1/2", 0, 0)], 0, 0, 3, 600)
+    assert (run.status, run.mode, run.events) == ("t_end", "Omega2", [])
+    with mpmath.workdps(60):
+        assert abs(run.x - mpmath.mpf("301.25")) < 1e-50  # 600/2 + (3 - 1/2)/2
+    run = follow(1, 5, 4, 0, 0, None, 1, [LawBelt(0, 0, 0)], 0, 3, 1, 600)
+    assert [event.kind for event in run.events] == ["cross"]
+
+
 # -- scipy -----------------------------------------------------------------------------------------
 
 
@@ -226,7 +236,7 @@ def by_scipy(scene: LawScene, most: int) -> list[tuple[float, str, int, float]]:
             rtol=1e-12,
             atol=1e-13,
             events=events or None,
-            max_step=0.05 / Omega if any(belt.curve for belt in belts) else np.inf,
+            max_step=0.05 / Omega,  # it misses what comes and goes within a step
         )
 
     t = float(scene.t0)
@@ -286,7 +296,7 @@ def by_scipy(scene: LawScene, most: int) -> list[tuple[float, str, int, float]]:
 SCIPY_SCENES = [("plain", n) for n in range(6)] + [
     (family, 3)
     for family in ("onbelt", "still", "free", "undamped", "undriven", "overdamped", "chaotic")
-] + [("curved", n) for n in range(6)]  # fmt: skip
+] + [("curved", n) for n in range(4)]  # fmt: skip
 
 
 @pytest.mark.parametrize(("family", "number"), SCIPY_SCENES)

@@ -248,6 +248,7 @@ class Motion:
         size = 1 + abs(float(self.Omega * t_end)) + abs(float(self.Omega * t0)) + abs(float(x0))
         self.dps = self.digits + GUARD + ceil(log10(size)) + min(self.digits, ceil(growth / 2.3))
         self.span = span
+        self.fastest = 0.0
         with mpmath.workdps(self.dps):
             self.t = _mpf(t0)
             self.x = _mpf(x0)
@@ -531,6 +532,10 @@ class Motion:
         series = self.series[number]
         a = series.coefficients(self.t, self.x, self.v)
         doubles = np.array([float(value) for value in a[: DEGREE + 1]])
+        if self.at_rest(doubles):
+            self.x += self.v * (self.end - self.t)
+            self.t = self.end
+            return None
         last = min(1.0, float((self.end - self.t) / series.h)) + 1e-9
         contacts = []
         for edge in (number - 1, number):
@@ -558,6 +563,13 @@ class Motion:
             self.leave(edge, 1 if edge == number else -1)
             return None
         return edge
+
+    def at_rest(self, doubles: Any) -> bool:
+        """Whether no digit tells the velocity any more from a constant on an edge."""
+        changes = float(np.abs(doubles[1:]).sum())
+        self.fastest = max(self.fastest, abs(doubles[0]) + changes)
+        gap = min((float(abs(self.v - V)) for V in self.V), default=np.inf)
+        return gap + changes < 10.0**-self.digits * self.fastest
 
     def clear(self, a: list[Any], place: Any) -> Any:
         """End a step a little earlier if it would end next to an edge."""
