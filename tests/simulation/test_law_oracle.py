@@ -168,11 +168,11 @@ def test_the_papers_oracle(number: int) -> None:
 
 def test_decay_onto_a_belt_without_friction() -> None:
     """What no digit tells from rest crosses nothing: m v' = A0 - c v ends at A0/c, a belt's speed."""
-    run = follow(1, 2, 0, 1, 0, None, 1, [LawBelt("1/2", 0, 0)], 0, 0, 3, 600)
+    run = follow(1, 2, 0, 1, 0, None, 1, [LawBelt("1/2", 0, 0)], 0, 0, 3, 100)
     assert (run.status, run.mode, run.events) == ("t_end", "Omega2", [])
     with mpmath.workdps(60):
-        assert abs(run.x - mpmath.mpf("301.25")) < 1e-50  # 600/2 + (3 - 1/2)/2
-    run = follow(1, 5, 4, 0, 0, None, 1, [LawBelt(0, 0, 0)], 0, 3, 1, 600)
+        assert abs(run.x - mpmath.mpf("51.25")) < 1e-50  # 100/2 + (3 - 1/2)/2
+    run = follow(1, 5, 4, 0, 0, None, 1, [LawBelt(0, 0, 0)], 0, 3, 1, 100)
     assert [event.kind for event in run.events] == ["cross"]
 
 
