@@ -749,14 +749,14 @@ def _settled_statements(task: ToProve, orbit: PeriodicOrbit) -> Iterator[Record]
         seen = len(run.events)
 
 
-class Left(NamedTuple):
+class LeavingStarts(NamedTuple):
     """By when all starts on a belt have left it, and the errors of the start of their flights."""
 
     until: Fraction
     errors: tuple[Fraction, Fraction, Fraction]
 
 
-def leaving(task: ToProve) -> Left | None:
+def leaving(task: ToProve) -> LeavingStarts | None:
     """Return when the starts on a belt have left it; None if the start is not on a belt, or the
     forces there are not 0 within its error.
     """
@@ -787,7 +787,7 @@ def leaving(task: ToProve) -> Left | None:
     lasts = error_t + 2 * (abs(ending) + reach) / steepness
     lasts = Fraction(floor(lasts * 10**BOX_PLACES) + 2, 10**BOX_PLACES)  # rounded up
     error_x_then = error_x + abs(v0) * (lasts + error_t)  # the belt carries the mass on
-    return Left(t0 + lasts, (lasts, error_x_then, Fraction(0)))
+    return LeavingStarts(t0 + lasts, (lasts, error_x_then, Fraction(0)))
 
 
 def _arrival(orbit: OrbitInDigits, event: Event) -> int | None:
