@@ -58,9 +58,9 @@ MOST_DERIVATIVES = 5
 
 # What careful users of step-by-step integrators set, found by trial on the shipped scenes and some
 # hundred random ones:
-#: Flights from a belt start this part of the larger belt speed off it. Errors after a near graze
-#: are in proportion (1e-12 costs two digits in fig8); from the belt itself, some flights come back
-#: at once for ever.
+#: Flights from a belt start this part of its `speed_scales` off it. Errors after a near graze are in
+#: proportion (1e-12 costs two digits in fig8); from the belt itself, some flights come back at once
+#: for ever.
 ONE_STEP_OFFSET = 1e-15
 #: Steps per period at least. With 4, DOP853 of scipy at 1e-4 loses 8 of the 18 events of fig8 up to
 #: t = 20, with 8 none; with more than 8, fine tolerances gain nothing.
@@ -231,6 +231,20 @@ def resolve(q, boundary, t, x):
     return ON_BELT + boundary
 
 
+def speed_scales(q: PeerProblem, x: float, v: float) -> tuple[float, float]:
+    """Return the speeds in proportion to which flights of a motion from `x`, `v` start off belt 1
+    and off belt 2.
+    """
+    # It is the speed of the belt itself or, where that is slower than the motion, about that of the
+    # motion, but no more than that of the other belt: the motion may not be as fast as these forces
+    # let it be.
+    speeds = abs(q.v1), abs(q.v2)
+    push = abs(force(q, 2, 0.0, x, v)) + abs(q.swing) + 0.5 * (q.A1 - q.A3)
+    motion = abs(v) + push / max(q.Omega, q.damping, sqrt(q.stiffness))
+    slower = min(motion or inf, max(speeds))
+    return max(speeds[0], slower), max(speeds[1], slower)
+
+
 def start_mode(q, x, v):
     """Return the mode in which a motion starts at t = 0, and the boundary of its start, 0 if it is
     inside a domain.
@@ -290,13 +304,14 @@ def root(q, mode, side, piece, a, b, fa, fb, tolerance):
     return b
 
 
-def follow(q, s, t, x, v, mode, boundary, offset, t_end):
+def follow(q, s, t, x, v, mode, boundary, offsets, t_end):
     """Follow a motion by a solver.
 
     Return rows of events, their count, how it ended, and the last mode.
 
     `s` has the settings of the solver. `boundary` is the belt at which the motion starts, 0 for
-    none. A flight from a belt starts with a velocity that is off the belt's by `offset`.
+    none. A flight from a belt starts with a velocity that is off the belt's by that belt's number
+    in `offsets`.
     """
     # A row is t, x, place in EVENT_KINDS, boundary; the outcome is REACHED_END, CHATTERS or
     # GAVE_UP.
@@ -306,9 +321,9 @@ def follow(q, s, t, x, v, mode, boundary, offset, t_end):
         if boundary > 0 and mode <= ON_BELT:
             # The domain above the belt has the larger number.
             if mode > boundary:
-                v += offset
+                v += offsets[boundary - 1]
             else:
-                v += -offset
+                v += -offsets[boundary - 1]
         here = from_now(q, t)
         side, tau, x = leave(here, s, mode, 0.0, x, v, t_end - t)
         t += tau
@@ -371,16 +386,17 @@ def runner(
 
     `functions` are those of this module, by name, bound to the solver's function `leave`;
     `settings` are what it gets. A flight from a belt starts with a velocity that is off the belt's
-    by `offset` times the larger belt speed.
+    by `offset` times its number of `speed_scales`.
     """
     q = problem(scene.parameters, scene.t0)
     t0 = float(scene.t0)
     x = float(scene.x0)
     v = float(scene.v0)
     mode, boundary = start_mode(q, x, v)
-    start_offset = offset * max(abs(q.v1), abs(q.v2))
+    first, second = speed_scales(q, x, v)
+    offsets = offset * first, offset * second
     # All arguments of `follow` but its last one, t_end. Its clock starts at 0.
-    arguments = q, settings, 0.0, x, v, mode, boundary, start_offset
+    arguments = q, settings, 0.0, x, v, mode, boundary, offsets
     duration = float(scene.t_end - scene.t0)
     follow = functions["follow"]
     follow(*arguments, 0.0)  # compiles

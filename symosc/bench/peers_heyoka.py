@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import starmap
-from math import cos, sin
+from math import ceil, cos, log2, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,6 +28,7 @@ from symosc.bench.event_logic import (
     PeerError,
     PeerProblem,
     problem,
+    speed_scales,
     start_mode,
 )
 from symosc.bench.solvers import Solver, SolverEvent
@@ -47,20 +48,29 @@ class Tables(NamedTuple):
     starts: dict[tuple[int, int], float]
 
 
-def tables(q: PeerProblem) -> Tables:
-    """Return the tables of a problem."""
+def tables(q: PeerProblem, x: float, v: float) -> Tables:
+    """Return the tables of a problem, for motions from `x`, `v`."""
     A = {1: q.A1, 2: q.A2, 3: q.A3}
     belts = {1: q.v1, 2: q.v2}
     # The eight parameters of `equations`. In a flight the functions are v - v1 and v - v2, on a belt
     # the accelerations below and above it.
-    parameters = {alpha: np.array([1.0, A[alpha], 1.0, 0.0, -q.v1, 1.0, 0.0, -q.v2]) for alpha in A}
+    scales = dict(zip(belts, speed_scales(q, x, v), strict=True))
+    # heyoka's tolerance is relative to the largest number, among event functions too: the distance
+    # from a belt far faster than the motion is shrunk, by a power of two, which rounds nothing.
+    far = {boundary: scales[boundary] / scales[3 - boundary] for boundary in belts}
+    s1, s2 = (2.0 ** -max(0, ceil(log2(far[boundary]))) for boundary in belts)
+    parameters = {
+        alpha: np.array([1.0, A[alpha], s1, 0.0, -q.v1 * s1, s2, 0.0, -q.v2 * s2]) for alpha in A
+    }
     for boundary, (below, above) in NEIGHBOURS.items():
         parameters[ON_BELT + boundary] = np.array(
             [0.0, 0.0, 0.0, 1.0, A[below], 0.0, 1.0, A[above]]
         )
-    offset = ONE_STEP_OFFSET * max(abs(q.v1), abs(q.v2))
-    starts = {(boundary, boundary): v - offset for boundary, v in belts.items()}
-    starts |= {(boundary, boundary + 1): v + offset for boundary, v in belts.items()}
+    starts = dict[tuple[int, int], float]()
+    for boundary, speed in belts.items():
+        offset = ONE_STEP_OFFSET * scales[boundary]
+        starts[boundary, boundary] = speed - offset
+        starts[boundary, boundary + 1] = speed + offset
     return Tables(A, belts, parameters, starts)
 
 
@@ -87,7 +97,9 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
     import heyoka as hy
 
     q = problem(scene.parameters, scene.t0)
-    A, belts, pars, starts = tables(q)
+    x0 = float(scene.x0)
+    v0 = float(scene.v0)
+    A, belts, pars, starts = tables(q, x0, v0)
     stiffness = q.stiffness
     damping = q.damping
     t0 = float(scene.t0)
@@ -153,8 +165,6 @@ def prepare(scene: Scene, tolerance: float) -> Callable[[], Iterator[SolverEvent
     integrator = hy.taylor_adaptive(
         rates, [0.0] * 4, pars=[0.0] * 8, t_events=events, tol=tolerance, fast_math=True
     )
-    x0 = float(scene.x0)
-    v0 = float(scene.v0)
     mode, boundary = start_mode(q, x0, v0)
     if boundary and mode <= ON_BELT:
         v = starts[boundary, mode]
@@ -199,7 +209,8 @@ def count_many(
 
     q = problem(p)
     width = hy.recommended_simd_size()
-    A, belts, pars, v_starts = tables(q)
+    farthest, fastest = np.max(np.abs(starts[:, 1:]), axis=0).tolist()
+    A, belts, pars, v_starts = tables(q, farthest, fastest)
     stiffness = q.stiffness
     now = [0] * width
     counts = [0] * width

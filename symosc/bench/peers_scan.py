@@ -245,7 +245,8 @@ def count_many(
             else:
                 mode = 3
             # No start is on a belt, so that nothing is offset.
-            _rows, count, _outcome, _mode = follow(q, s, t, x, v, mode, 0, 0.0, t + durations[i])
+            end = t + durations[i]
+            _rows, count, _outcome, _mode = follow(q, s, t, x, v, mode, 0, (0.0, 0.0), end)
             counts[i] = count
 
     def run() -> np.ndarray:

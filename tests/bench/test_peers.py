@@ -17,7 +17,7 @@ from parameter_sets import DIP, EASY
 
 from symosc import Parameters, Scene, load_scene, simulate, simulate_many
 from symosc.bench import peers_heyoka, peers_scan
-from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve
+from symosc.bench.event_logic import CHATTER, PeerError, problem, resolve, speed_scales
 from symosc.bench.solvers import OURS, Solver, SolverEvent, all_solvers, multiprecision
 
 SOLVERS = {solver.name: solver for solver in all_solvers()}
@@ -125,6 +125,36 @@ def test_integrators_in_their_traps(solver: Solver) -> None:
     assert (
         error(found_by(solver, late, 1e-8), simulate(late).events) < 1e-5
     )  # the last bit of 1e10 is 2e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerance", "allowed"),
+    [("scipy DOP853", 1e-12, 1e-12), ("scipy LSODA", 1e-8, 5e-8), ("heyoka", 1e-16, 2e-14)],
+)
+def test_a_belt_that_is_never_met_costs_no_digits(
+    name: str, tolerance: float, allowed: float
+) -> None:
+    """Flights start off a belt in proportion to its own speed, not to that of the other one."""
+    scene = load_scene("fig5")
+    for v2 in ("1e3", "1e9"):
+        far = replace(scene, parameters=scene.parameters.replace(v2=v2), t_end=Fraction(8))
+        exact = simulate(far, digits=30).events
+        assert {event.boundary for event in exact} == {1}
+        assert error(found_by(SOLVERS[name], far, tolerance), exact) < allowed
+
+
+@pytest.mark.parametrize(
+    ("motion", "expected"),
+    [((0.5, 0.0), (1.0, 1e6)), ((10.0, 0.0), (5.0, 1e6)), ((0.0, 1e9), (1e6, 1e6))],
+)
+def test_the_speed_scale_of_a_belt(
+    motion: tuple[float, float], expected: tuple[float, float]
+) -> None:
+    """The belt's own speed, or that of a faster motion, up to the speed of the other belt."""
+    p = EASY.replace(B0=0, A0=0, mu1=0, mu2=0, m=1, k=1, c=0, Omega=2, v1=1, v2=1_000_000)
+    assert speed_scales(problem(p), *motion) == expected
+    rest = problem(p.replace(v1=0))
+    assert speed_scales(rest, 0.0, 0.0) == (1e6, 1e6)  # nothing moves there: any offset will do
 
 
 # -- compiled solvers ------------------------------------------------------------------------------
