@@ -367,7 +367,11 @@ def borders_between(
     `a` and `b` may differ in the two named parameters only; `step` and `max_points` are those of
     `continue_border`.
     """
-    plane = _read_plane(a, *parameters, range)
+    first, second = parameters
+    if first == second or not {first, second} <= set(PARAMETER_NAMES):
+        allowed = f"must be two different names out of {', '.join(PARAMETER_NAMES)}"
+        raise ParameterError("parameters", f"{first}, {second}", allowed)
+    plane = _read_plane(a, first, second, range)
     steps = _read_steps(step, max_points)
     (place_a, orbit_a), (place_b, orbit_b) = (_settled(plane, p) for p in (a, b))
     if orbit_a is None and orbit_b is None:

@@ -159,9 +159,9 @@ RESIDUALS = {
 
 #: What the functions for arrays need besides.
 FLAT = '''
-def flat(*given):
+def flat(*arguments):
     """Return numbers or arrays as flat arrays of one length, and the shape that they have together."""
-    columns = np.broadcast_arrays(*(np.asarray(column, dtype=float) for column in given))
+    columns = np.broadcast_arrays(*(np.asarray(values, dtype=float) for values in arguments))
     return [column.ravel() for column in columns], columns[0].shape
 '''
 

@@ -400,3 +400,13 @@ def test_the_message_about_a_second_parameter_proposes_no_name_that_is_not_allow
         continue_border(branch, 1, "Fn", PLANE)
     with pytest.raises(ParameterError, match=r"mu2; did you mean Omega\?$"):
         continue_border(branch, 1, "omega", PLANE)
+
+
+def test_the_message_about_two_equal_names_speaks_of_no_branch() -> None:
+    high, low = COULOMB, COULOMB.replace(FN="0.5")
+    for names in (("FN", "FN"), ("FN", "Fn"), ("omega", "FN")):
+        with pytest.raises(
+            ParameterError,
+            match=rf"parameters = '{names[0]}, {names[1]}': must be two different names out of m, c",
+        ):
+            borders_between(high, low, names, PLANE)
