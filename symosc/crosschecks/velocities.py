@@ -187,8 +187,12 @@ def _from_positions(
     nearest = _nearest(starts, ends)
     agree = nearest.gaps <= 2.0 * off[1:-1]
     v = _agreed(starts, ends, nearest, np.flatnonzero(agree))
-    if np.isnan(v[0]) and _is_start(scene, samples, tolerance * size + rounded[0]):
-        v[0] = float(scene.v0)
+    if _is_start(scene, samples, tolerance * size + rounded[0]):
+        # A stick may begin in the first step, so early that positions do not show it.
+        off_x = float(errors_x[0] + errors_x[1])
+        hides = bool(keeps_up[:, 0].any()) and _passes(scene, float(t[1]), float(x[1]), off_x)
+        if np.isnan(v[0]) or hides:
+            v[0] = float(scene.v0)
     pairs = np.flatnonzero(np.isfinite(nearest.gaps))
     if np.isnan(v).all() and len(pairs) >= FEWEST_PAIRS:
         # These are positions of no exact motion: velocities of the first steps show that.
@@ -284,6 +288,12 @@ def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajector
         return simulate(scene, t_end=float(t_end), max_events=20_000, **numbers)
     except ParameterError:
         return None
+
+
+def _passes(scene: Scene, t: float, x: float, off: float) -> bool:
+    """Return whether the scene's motion is at the position `x` at the time `t`, up to `off`."""
+    motion = _motion(scene, t)
+    return motion is not None and bool(motion.t_end >= t and abs(motion(t)[0] - x) <= off)
 
 
 def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
@@ -454,8 +464,9 @@ def _agreed(
     step_after = sure + 1
     row_before = nearest.before[sure]
     row_after = nearest.after[sure]
-    # Positions hardly show when in a step a stick begins: where no step before tells v at its start,
-    # the exact motion does.
+    # Positions hardly show when in a step a stick begins. A later sample has its v from the steps
+    # before it too. The second one has not: the exact motion tells it. The first one has nothing else
+    # but the scene's start.
     flown_to = (row_before < FLIGHT_ROWS) | (sure != 1)
     v[step_before[flown_to]] = starts[row_before, step_before][flown_to]
     v[step_after + 1] = ends[row_after, step_after]

@@ -156,6 +156,23 @@ def test_a_position_just_before_the_first_stick(before: float) -> None:
     assert len(check.t) == len(t)
 
 
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("before", [1e-8, 1e-7])
+def test_velocities_of_the_samples_before_the_first_stick(number: int, before: float) -> None:
+    """The stick begins so soon after sample `number` that no position shows it: v of the second
+    sample is told by the motion, that of the first one by the scene.
+    """
+    onset = float(simulate("fig5").events[0].t)
+    t0 = onset - before - 0.01 * number
+    x0, v0 = simulate("fig5")(t0)
+    scene = Scene("before-stick", load_scene("fig5").parameters, t0, float(x0), float(v0), t0 + 5)
+    t = np.linspace(t0, t0 + 5, 501)
+    x, v = simulate(scene)(t)
+    check = crosscheck(scene, t, x, tolerance=1e-11)
+    assert check.ok, check.summary()
+    assert np.max(np.abs(check.v - v)[:3]) < 1e-12
+
+
 @pytest.mark.parametrize("method", ["DOP853", pytest.param("RK23", marks=pytest.mark.slow)])
 def test_positions_at_the_steps_of_scipy(method: str) -> None:
     """Not those of LSODA, whose steps at a switch may become so short that it never ends."""
