@@ -57,6 +57,7 @@ def limited(which: int, most: int, *words: str, folder: Path) -> tuple[int, str]
 
 
 @pytest.mark.slow
+@pytest.mark.full(2)  # an SVG is text, as a PDF is
 @pytest.mark.parametrize("suffix", ["pdf", "svg", "png"])
 def test_a_figure_on_a_full_disk(suffix: str, tmp_path: Path) -> None:
     (tmp_path / f"full.{suffix}").symlink_to("/dev/full")

@@ -112,9 +112,9 @@ def test_points_of_an_answer_are_a_guess_for_any_rotation() -> None:
 
 @pytest.mark.slow
 def test_branches_and_certificates_have_the_text_too() -> None:
-    branch = continue_orbit(FIG10, "P4645", "B0", (3, 15))
+    branch = continue_orbit(FIG10, "P4645", "B0", (3, FIG10.B0))
     assert (branch.word, branch.ends[0].beyond) == ("P6454", "P54")
-    turned = continue_orbit(FIG10, "P5464", "B0", (3, 15))
+    turned = continue_orbit(FIG10, "P5464", "B0", (3, FIG10.B0))
     assert (turned.points == branch.points).all()
     pytest.importorskip("flint")
     proof = certify(find_orbit(FIG10, "P4645"))

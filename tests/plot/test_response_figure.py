@@ -57,7 +57,7 @@ def test_random_peaks_are_shown_whole(seed: int) -> None:
 
 
 def test_only_a_true_resonance_is_cut_off_and_the_figure_says_so() -> None:
-    result = frequency_response(PEAK.replace(c=0), {"Omega": "0.5:1.5:101"})
+    result = frequency_response(PEAK.replace(c=0), {"Omega": "0.5:1.5:41"})
     assert np.isinf(result.balance).sum() == 1
     for axes in result.plot("ab").axes:
         assert "infinite at $\\Omega$ = 1" in texts(axes)

@@ -126,7 +126,7 @@ def test_a_meeting_in_closed_form_has_its_form() -> None:
         assert value(text) == pytest.approx(mpmath.log(1 + 1 / mpmath.mpf(beyond)) / 2, rel=1e-14)
 
 
-@pytest.mark.full(24)
+@pytest.mark.full(12)
 @pytest.mark.quick(5)
 @pytest.mark.parametrize("name", CLOSED)
 def test_closed_forms_are_what_happens(name: str) -> None:
