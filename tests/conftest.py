@@ -152,6 +152,8 @@ def pytest_collection_finish(session: pytest.Session) -> None:
         wanted = ""
     else:
         wanted = max(map(_loops, session.items), default="")
+    if wanted and not compiling.is_there(wanted):
+        compiling.leave_to_the_other()
     if worker == "gw0" and wanted and (process := compiling.begin(wanted)):
         others_wait = hasattr(session.config, "workerinput")
         session.config.add_cleanup(partial(compiling.end, process, others_wait))

@@ -20,8 +20,8 @@ from verdicts import Verdict, compare, label, truth_of
 
 from symosc import simulate
 
-#: Half of the scenes are followed by compiled loops too.
-pytestmark = pytest.mark.compiled("doubles")
+#: Half of the scenes are followed by compiled loops too, and some need pairs for thousands of events.
+pytestmark = pytest.mark.compiled("pairs")
 
 QUICK = 2  # scenes of each family, and more of those that touch a belt, or nearly
 TOUCHING = ("graze", "near", "approach", "limit", "creep", "settle", "aimed", "shallow", "undriven")

@@ -22,6 +22,8 @@ from once import SHARED
 
 #: Seconds after which nobody waits for the other process any longer.
 LONGEST_WAIT = 600
+#: Events that no session follows.
+NEVER_SPENT = 10**12
 _wait_until: list[float] = []
 
 
@@ -58,6 +60,17 @@ def begin(loops: str) -> subprocess.Popen[bytes] | None:
     return subprocess.Popen(
         [sys.executable, "-c", code, str(ended())], stdout=nowhere, stderr=nowhere
     )
+
+
+def leave_to_the_other() -> None:
+    """Let this process interpret what is not on disk yet, however much: the other one compiles it.
+
+    Else it would compile the same loops, once it has interpreted as much as that takes.
+    """
+    from symosc.simulation.loops import CHOICE
+
+    for budget in (CHOICE.doubles, CHOICE.pairs, CHOICE.searches, CHOICE.derivatives):
+        budget.events = NEVER_SPENT
 
 
 def end(process: subprocess.Popen[bytes], others_wait: bool) -> None:
