@@ -8,6 +8,7 @@ from __future__ import annotations
 import doctest
 import inspect
 import re
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,8 @@ LONG = (
 )
 LONG += ("Border", "BorderError", "compiled_residual", "continue_border")
 LONG += ("plot.border_figure", "plot.branch_figure")
+#: What several examples follow: the same branch, and the same border.
+SHARED = (cache(symosc.continue_orbit), cache(symosc.continue_border))
 SECTION = re.compile(r"^ *Examples\n *--------\n *>>> ", re.MULTILINE)
 
 
@@ -60,6 +63,8 @@ def test_public_name_has_an_example_that_runs(
     if name in NEEDED:
         pytest.importorskip(NEEDED[name])
     monkeypatch.chdir(tmp_path)
+    for function in SHARED:
+        monkeypatch.setattr(symosc, function.__name__, function)
     # Without the names of its module: what a user can paste. A class is searched with its methods.
     finder = doctest.DocTestFinder(recurse=inspect.isclass(subject))
     runner = doctest.DocTestRunner(verbose=False)

@@ -45,9 +45,7 @@ if __name__ == "__main__":
 
 
 def test_a_solver_is_added_as_contributing_says(tmp_path: Path) -> None:
-    shutil.copytree(
-        ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__")
-    )
+    shutil.copytree(ROOT / "symosc", tmp_path / "symosc")  # with what is compiled of it
     (tmp_path / "symosc" / "bench" / "peers_late.py").write_text(PEERS)
     (tmp_path / "use.py").write_text(USE)
     done = subprocess.run([sys.executable, "use.py"], cwd=tmp_path, capture_output=True, text=True)

@@ -30,7 +30,7 @@ MOST_FOLLOWED = 15_000
 MOST_INTEGRATED = 600
 
 
-@pytest.mark.full(8)
+@pytest.mark.full(5)
 @pytest.mark.quick(2)
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "smoothed friction"])
 def test_each_kind_of_fault_has_its_name(kind: str) -> None:

@@ -132,7 +132,7 @@ def test_ends_and_inexact_events_are_left_to_the_scalar_loop() -> None:
         assert 0 < good < 0.9 * tried
 
 
-@pytest.mark.slow
+@pytest.mark.campaign  # to compile it takes as long as 200 tests; the usual width is tested above
 def test_another_width_has_the_same_bits() -> None:
     functions = arithmetic.compiled(2)
     rng = random.Random(2)

@@ -145,9 +145,7 @@ def test_each_erratum_is_shown_by_claims_and_no_other_claim_has_one() -> None:
 def test_a_claim_and_a_figure_are_added_as_contributing_says(tmp_path: Path) -> None:
     paper = tmp_path / "symosc" / "paper"
     out = tmp_path / "out"
-    shutil.copytree(
-        ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__")
-    )
+    shutil.copytree(ROOT / "symosc", tmp_path / "symosc")  # with what is compiled of it
     with (paper / "claims.toml").open("a", encoding="utf-8") as file:
         file.write(
             '\n[figures.my-claim]\nsource = "Section 6, Fig. 9"\nsays = "The spring of Fig. 9 is weak."\n'

@@ -16,9 +16,7 @@ pytestmark = pytest.mark.slow
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    shutil.copytree(
-        ROOT / "symosc", tmp_path / "symosc", ignore=shutil.ignore_patterns("__pycache__")
-    )
+    shutil.copytree(ROOT / "symosc", tmp_path / "symosc")  # with what is compiled of it
     return tmp_path
 
 
