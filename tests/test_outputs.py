@@ -35,7 +35,7 @@ def kind_of(case: str) -> str:
 
 
 @pytest.mark.quick(20)
-@pytest.mark.parametrize(("name", "case"), all_cases())
+@pytest.mark.parametrize(("name", "case"), [*all_cases()])
 def test_an_output_is_what_was_stored(name: str, case: str) -> None:
     old = stored(name)[case]
     new = list(lines_of(cases(name)[case]()))
