@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 import mpmath
-from law_oracle import LawBelt, LawRun, Motion, exact, first_peak, follow
+from law_oracle import LawBelt, LawRun, Motion, exact, first_peak, follow, friction_table
 from scene_families import TRIPLES, signed, size, tenth, text
 
 NUMBERS = ("m", "c", "k", "A0", "B0", "Omega", "FN")
@@ -394,6 +394,26 @@ def curved(rng: Random, number: int, most: int) -> LawScene:
     return finished("curved", number, law, rng)
 
 
+def cornered(rng: Random, number: int, most: int) -> LawScene:
+    """Start on a corner of a curve with v' = 0, exactly or nearly; at speed 0 with v'' = 0 too."""
+    scene = curved(rng, number, most)
+    belt = rng.choice(scene.belts)
+    place = rng.choice(belt.curve[1:])[0]
+    speed = belt.v + rng.choice([1, -1]) * place
+    belts = scene.belts
+    if rng.random() < 0.4:
+        belts = tuple(other._replace(v=other.v - speed) for other in belts)
+        speed = Fraction(0)
+    edges, bands = friction_table(scene.c, scene.A0, scene.FN, belts)
+    band = bands[[edge.V for edge in edges].index(speed)]
+    push = rng.choice([Fraction(0), Fraction(0), signed(rng, -18, -4, 2)])
+    x0 = (band.A - band.c * speed + scene.B0) / scene.k + push
+    t_end = scene.t_end - scene.t0
+    return replace(
+        scene, family="cornered", belts=belts, t0=Fraction(0), x0=x0, v0=speed, t_end=t_end
+    )
+
+
 Family = Callable[[Random, int, int], LawScene]
 STATIC: dict[str, Family] = {
     family.__name__: family
@@ -402,7 +422,7 @@ STATIC: dict[str, Family] = {
         arriving, touching, aimed, turning, resting,
     )
 }  # fmt: skip
-CURVES: dict[str, Family] = {"curved": curved}
+CURVES: dict[str, Family] = {"curved": curved, "cornered": cornered}
 FAMILIES = STATIC | CURVES
 
 
