@@ -6,9 +6,11 @@ Against reference values of another program, closed forms, the paper's oracle an
 from __future__ import annotations
 
 from fractions import Fraction
+from pathlib import Path
 from random import Random
 from typing import Any
 
+import law_oracle
 import mpmath
 import numpy as np
 import pytest
@@ -55,6 +57,10 @@ def test_reference_values(reference: Reference) -> None:
             assert run.mode == reference.mode
             assert abs(run.x - mpmath.mpf(reference.x)) < DIGITS_KNOWN
             assert abs(run.v - mpmath.mpf(reference.v)) < DIGITS_KNOWN
+
+
+def test_it_shares_nothing_with_the_package() -> None:
+    assert "symosc" not in Path(law_oracle.__file__).read_text()
 
 
 def test_what_equality_decides_is_said() -> None:
@@ -164,6 +170,22 @@ def test_the_papers_oracle(number: int) -> None:
         for here, there in zip(ours.events, theirs.events, strict=True):
             assert abs(here.t - there.t) < 1e-38 * max(1, abs(there.t))
             assert abs(here.x - there.x) < 1e-38 * max(1, abs(there.x))
+
+
+def test_a_falling_curve_by_refinement() -> None:
+    """Leine and others (1998): V = 0.2, f = 1/(1 + 3 w); the smooth law's period is known."""
+    periods = []
+    for pieces in (16, 64):
+        places = [Fraction(3, 2) * Fraction(i * i, pieces * pieces) for i in range(pieces + 1)]
+        belts = [LawBelt("1/5", curve=[(w, 1 / (1 + 3 * w)) for w in places])]
+        run = follow(1, 0, 1, 0, 0, None, 1, belts, 0, 1, "1/5", 30, 3, digits=30)
+        assert [event.kind for event in run.events] == ["stick", "slip", "stick"]
+        periods.append(float(run.events[2].t - run.events[0].t))
+    known = 12.0010312948305786469
+    coarse, fine = (period - known for period in periods)
+    assert abs(fine) < 2e-4
+    # the error falls with the square of the pieces
+    assert abs(fine - (coarse - fine) / 15) < 1e-5
 
 
 def test_decay_onto_a_belt_without_friction() -> None:
