@@ -597,7 +597,8 @@ class _Cycle:
         if segment.mode.startswith("belt"):
             # The belt that holds the mass balances all other forces.
             held = int(segment.mode[-1])
-            pulls[held - 1] = -driven - pulls[2 - held]
+            others = [pull for belt, pull in enumerate(pulls, 1) if belt != held]
+            pulls[held - 1] = -driven - sum(others)
             self.stuck += end - begin
         acceleration = (driven + sum(pulls)) / m
         # On a belt u is its speed, and it takes nothing.

@@ -116,7 +116,9 @@ def solve(
     run = Run(joined=joined)
     run.add([t], [x], [v])
     follow = with_solver(recording(run, options))["follow"]
-    rows, count, outcome, _ = follow(q, None, 0.0, x, v, *start_mode(q, x, v), (OFF, OFF), t_end - t)
+    rows, count, outcome, _ = follow(
+        q, None, 0.0, x, v, *start_mode(q, x, v), (OFF, OFF), t_end - t
+    )
     if outcome:
         raise PeerError(f"solve_ivp gives up after {count} events")
     run.events = [
