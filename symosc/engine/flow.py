@@ -22,7 +22,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.base.aliases import Number
+from symosc.base.errors import ParameterError
 from symosc.engine.state import Flown
+from symosc.friction import TWO_BELTS
 from symosc.kernels._generated import acceleration, motion, next_derivative
 from symosc.kernels.elementary import cos, exp, select, sin
 from symosc.kernels.entire import SIXTH, basis
@@ -188,6 +190,13 @@ def constants(
     """
     # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs
     # (`constant_table`): then the constants are arrays.
+    law = parameters.law
+    if len(law.belts) > len(TWO_BELTS.boundaries):
+        raise ParameterError(
+            "belts",
+            f"{len(law.belts)} belts",
+            "motions between more than two belts cannot be followed yet",
+        )
     m = parameters.m
     Om = parameters.Omega
     h = parameters.c / (2 * m)
@@ -265,9 +274,9 @@ def constants(
         slow_drive=rate0 > SLOW_DRIVE * beat,
         stiff=steady & over & (-fast > STIFF * larger(-slow, number(pull))),
         steady=steady,
-        A1=number((parameters.A0 + parameters.law.force(1)) / m),
-        A2=number((parameters.A0 + parameters.law.force(2)) / m),
-        A3=number((parameters.A0 + parameters.law.force(3)) / m),
+        A1=number((parameters.A0 + law.force(1)) / m),
+        A2=number((parameters.A0 + law.force(2)) / m),
+        A3=number((parameters.A0 + law.force(3)) / m),
         V0=either(steady, abs(number(drive)) / root(response), zero),
         Ss=number(-drive * p) / response,
         Sc=number(drive * q) / response,

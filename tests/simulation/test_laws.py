@@ -11,7 +11,15 @@ import pytest
 from law_reference import REFERENCES, Reference
 from mpmath import mp, mpf, workdps
 
-from symosc import Belt, Oscillator, Trajectory, sensitivities, simulate, simulate_many
+from symosc import (
+    Belt,
+    Oscillator,
+    ParameterError,
+    Trajectory,
+    sensitivities,
+    simulate,
+    simulate_many,
+)
 
 #: Those with static friction; the others have curves.
 STATIC = [case for case in REFERENCES if not any("curve" in belt for belt in case.belts)]
@@ -223,3 +231,15 @@ def test_names_of_derivatives_are_those_of_the_law() -> None:
             sensitivities(coulomb, name, t_end=5)
     both = sensitivities(coulomb, "mu1", x0=4, t_end=9)
     assert both.regular.all()
+
+
+def test_three_belts_are_refused_not_misread() -> None:
+    three = Oscillator(m=1, c=0, k=1, belts=[Belt(v, "1/2") for v in (1, 2, 3)])
+    assert len(three.bands) == 4
+    for follow in (
+        lambda: simulate(three, t_end=5),
+        lambda: simulate_many(three, (0, 0, 0), 5, use_numba=False),
+        lambda: simulate_many([three, three], (0, 0, 0), 5, use_numba=False),
+    ):
+        with pytest.raises(ParameterError, match="3 belts: motions between more than two belts"):
+            follow()
