@@ -194,7 +194,7 @@ def constants(
     if len(law.belts) > len(TWO_BELTS.boundaries):
         raise ParameterError(
             "belts",
-            f"{len(law.belts)} belts",
+            f"{len(law.belts)} of them",
             "motions between more than two belts cannot be followed yet",
         )
     m = parameters.m
