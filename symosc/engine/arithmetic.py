@@ -40,7 +40,15 @@ from symosc.engine import (
 )
 from symosc.engine.flow import NESTED, ROW, ConstantRows, Constants, constants, with_march
 from symosc.engine.state import TUPLES_IN_FOLLOWED, Followed, NextEvent, State
-from symosc.kernels import _generated, double_double, elementary, entire, entire_array, mapping
+from symosc.kernels import (
+    _generated,
+    double_double,
+    elementary,
+    entire,
+    entire_array,
+    mapping,
+    pair_programs,
+)
 from symosc.kernels.compiling import compile_modules, is_compiled
 from symosc.kernels.rebind import bind, functions_of, outlined_in
 from symosc.model import Model
@@ -217,6 +225,17 @@ def compiled_tangents() -> dict[str, Any]:
     callees = dict(compiled())
     del callees["exp"]  # that of `mapping` is of complex numbers
     return compile_modules(modules, outlined_in(modules), callees)
+
+
+@lru_cache(maxsize=1)
+def compiled_program() -> Callable[..., None]:
+    """Return the compiled function that computes programs of pairs.
+
+    Raise MissingExtraError without numba.
+    """
+    modules = double_double, pair_programs
+    run: Callable[..., None] = compile_modules(modules, outlined_in(modules))["run_program"]
+    return run
 
 
 # --- columns ---

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
+from functools import lru_cache
 from math import atan2, inf, pi, sqrt
 from typing import Any, NamedTuple
 
@@ -30,13 +31,16 @@ from symosc.kernels.elementary import cos, exp, select, sin
 from symosc.kernels.entire import SIXTH, basis
 from symosc.kernels.pair_columns import (
     PairColumn,
+    angle_of_columns,
     as_double,
     atan2_of_columns,
     either,
     exactly,
     larger,
+    root_of_columns,
     sign,
 )
+from symosc.kernels.pair_programs import Program, Recorder, flat
 from symosc.kernels.rebind import outlined
 from symosc.model import Model, OtherNumbers
 
@@ -424,35 +428,52 @@ def table_of(rows: Iterable[Constants]) -> np.ndarray:
     return np.array([tuple(row) for row in rows], dtype=ROW)
 
 
+class TableLoops(NamedTuple):
+    """The functions that compute the rows of a table of constants: `march_rows`, compiled or not,
+    and `run_program`, compiled (None: columns of numpy instead).
+    """
+
+    march_rows: Callable[..., None]
+    run_program: Callable[..., None] | None
+
+
 def constant_table(
     columns: dict[str, PairColumn],
     count: int,
     alone: Callable[[int], Constants],
-    march_rows: Callable[..., None],
+    loops: TableLoops,
 ) -> np.ndarray:
     """Return a table of the constants of `count` parameter sets, computed from columns of
     double-double numbers.
 
-    `alone` returns the constants of a set that needs more digits; `march_rows` is that function,
-    compiled or not.
+    `alone` returns the constants of a set that needs more digits.
     """
     doubts = np.zeros(count, dtype=bool)
-    watched = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
-    for column in watched.values():
+    for column in columns.values():
         size = abs(column.hi)
         doubts |= (size != 0.0) & ~((size >= SMALLEST_IN_COLUMNS) & (size <= LARGEST_IN_COLUMNS))
     table = np.zeros(count, dtype=ROW)
-    with np.errstate(all="ignore"):
-        K = constants(OtherNumbers(watched), as_double, np.sqrt, atan2_of_columns, pi)  # type: ignore[arg-type]
-    _fill(table, K)
+    if loops.run_program is None:
+        _fill_by_columns(table, columns, doubts)
+    else:
+        _fill_by_program(table, columns, doubts, loops.run_program)
     for i in np.flatnonzero(doubts).tolist():
         table[i] = tuple(alone(i))
     marches = np.zeros((count, 2, len(MarchConstants._fields)))
-    march_rows(table, marches)
+    loops.march_rows(table, marches)
     for which, name in enumerate(("march", "stride")):
         for n, field in enumerate(MarchConstants._fields):
             table[name][field] = marches[:, which, n]
     return table
+
+
+def _fill_by_columns(
+    table: np.ndarray, columns: dict[str, PairColumn], doubts: np.ndarray
+) -> None:
+    """Compute the constants column by column, and add to `doubts` the rows that need more digits."""
+    watched = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
+    with np.errstate(all="ignore"):
+        _fill(table, _constants_of(watched))
 
 
 def _fill(table: np.ndarray, values: Any) -> None:
@@ -464,6 +485,42 @@ def _fill(table: np.ndarray, values: Any) -> None:
             _fill(table[name], value)
         else:
             table[name] = value
+
+
+def _fill_by_program(
+    table: np.ndarray,
+    columns: dict[str, PairColumn],
+    doubts: np.ndarray,
+    run_program: Callable[..., None],
+) -> None:
+    """Compute the constants as `_fill_by_columns` does, by a program for all rows."""
+    program = _constants_program(tuple(columns))
+    arguments = np.empty((len(columns), 2, len(table)))
+    for n, column in enumerate(columns.values()):
+        arguments[n, 0] = column.hi
+        arguments[n, 1] = column.lo
+    results = np.empty((len(table), len(program.results)))
+    run_program(
+        program.operations, program.constants, program.results, arguments, results, doubts
+    )
+    for number, y, x in program.angles:
+        results[:, number] = atan2_of_columns(results[:, y], results[:, x])
+    rows = table.view(np.float64).reshape(len(table), -1)
+    rows[:] = results[:, : rows.shape[1]]
+
+
+@lru_cache(maxsize=64)
+def _constants_program(names: tuple[str, ...]) -> Program:
+    """Return the program that computes the constants from the parameters `names`."""
+    recorder = Recorder()
+    K = _constants_of({name: recorder.argument() for name in names})
+    return recorder.program(flat(K))
+
+
+def _constants_of(numbers: dict[str, Any]) -> Constants:
+    """Return the constants for columns of pairs, or recorded pairs, by the names of parameters."""
+    parameters: Any = OtherNumbers(numbers)
+    return constants(parameters, as_double, root_of_columns, angle_of_columns)
 
 
 # --- the flow ---

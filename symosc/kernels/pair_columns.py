@@ -16,9 +16,7 @@ from typing import Any
 import numpy as np
 
 from symosc.kernels.double_double import pair_product, pair_quotient, pair_sum
-
-# A sum that is smaller than this part of its terms, and not 0, has lost its digits.
-CANCELLED = 2.0**-90
+from symosc.kernels.pair_programs import CANCELLED, Angle, Recorded
 
 
 def _comparison(name: str) -> Callable[[Any, Any], Any]:
@@ -103,6 +101,8 @@ def as_double(value: Any) -> Any:
     """Convert a Fraction, or a column of pairs, to doubles."""
     if isinstance(value, PairColumn):
         return value.hi
+    if isinstance(value, Recorded):
+        return value.as_double()
     return float(value)
 
 
@@ -112,11 +112,15 @@ def exactly(value: Any) -> Any:
     """
     if isinstance(value, np.ndarray):
         return PairColumn(value)
+    if isinstance(value, Recorded):
+        return value.exactly()
     return Fraction(value)
 
 
 def either(condition: Any, value: Any, fallback: Any) -> Any:
     """Return `value` where a condition holds, else `fallback`, for single numbers or row by row."""
+    if isinstance(condition, Recorded):
+        return condition.either(value, fallback)
     if not isinstance(condition, np.ndarray):
         if condition:
             return value
@@ -136,6 +140,8 @@ def sign(value: Any) -> Any:
     """Return the sign -1, 0 or 1 of a number as a Fraction, or of each row of a column as a column."""
     if isinstance(value, PairColumn):
         return PairColumn(np.sign(value.hi))
+    if isinstance(value, Recorded):
+        return value.sign()
     return Fraction(int(value > 0) - int(value < 0))
 
 
@@ -147,3 +153,17 @@ def larger(a: Any, b: Any) -> Any:
 def atan2_of_columns(y: np.ndarray, x: np.ndarray) -> np.ndarray:
     """Return atan2 row by row; numpy's own differs in the last bits on some processors."""
     return np.asarray(np.frompyfunc(atan2, 2, 1)(y, x), float)
+
+
+def root_of_columns(value: Any) -> Any:
+    """Return the square root of a column of doubles, or of a recorded double."""
+    if isinstance(value, Recorded):
+        return value.root()
+    return np.sqrt(value)
+
+
+def angle_of_columns(y: Any, x: Any) -> Any:
+    """Return atan2 of columns of doubles, or of recorded doubles."""
+    if isinstance(y, Recorded):
+        return Angle(y, x)
+    return atan2_of_columns(y, x)

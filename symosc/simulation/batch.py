@@ -198,10 +198,15 @@ def warm() -> list[Warmed]:
     work = np.zeros((8, 11))
     pair_rows = np.zeros(0, PAIR_ROW)
     limits = engine_batch.PairLimits(1, 1.0, 0, 1.0, table, table)
+    program = (
+        *(np.zeros((0, 4), np.int64), np.zeros((0, 2)), nothing),
+        *(np.zeros((0, 2, 0)), np.zeros((0, 0)), np.zeros(0, bool)),
+    )
     # numba compiles a function for the types of its arguments; so these are empty arrays.
     calls: dict[str, list[tuple[Any, tuple[Any, ...]]]] = {
         "events in doubles": [
-            (loops.march_rows, (table, np.zeros((1, 2, 7)))),
+            (loops.table.march_rows, (table, np.zeros((1, 2, 7)))),
+            (loops.table.run_program, program),
             (loops.follow, (0, batch, 1, 1.0, out, NO_PIECES, no_tally(), table)),
             (loops.settle, (no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)),
         ],

@@ -285,7 +285,7 @@ class Chunk:
         self._first = rows.start
         self._buffer = buffer
         self._cancel = cancel
-        self.batch, self.table = task.problems.begin(rows, task.loops.march_rows)
+        self.batch, self.table = task.problems.begin(rows, task.loops.table)
         if isinf(task.accuracy):
             self.table["sigmas"] = 0.0
         self._starts = self.batch.states.copy()

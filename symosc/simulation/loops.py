@@ -37,7 +37,7 @@ from symosc.base.errors import MissingExtraError
 from symosc.engine import arithmetic, batch, flow, summary, tangent
 from symosc.engine.arithmetic import PairLoops, compiled, compiled_pairs, interpreted, loaded_loop
 from symosc.engine.batch import Batch, EventRows, keep_state, rows_between, state_of
-from symosc.engine.flow import Constants, table_of
+from symosc.engine.flow import Constants, TableLoops, table_of
 from symosc.engine.state import STATE_ROW, RowNumbers, State, numbers_of_state
 from symosc.kernels.compiling import is_compiled
 
@@ -72,7 +72,7 @@ class Loops(NamedTuple):
     They take constants as a numpy table.
     """
 
-    march_rows: Callable[..., None]
+    table: TableLoops
     follow: Follow
     settle: Callable[..., None]
     in_threads: bool  # whether several threads are faster than one
@@ -148,7 +148,10 @@ class SearchLoops(NamedTuple):
 
 
 INTERPRETED = Loops(
-    interpreted(flow.march_rows), interpreted(batch.follow_all), interpreted(summary.settle), False
+    TableLoops(interpreted(flow.march_rows), None),
+    interpreted(batch.follow_all),
+    interpreted(summary.settle),
+    False,
 )
 INTERPRETED_TANGENTS = interpreted(tangent.tangents)
 
@@ -176,16 +179,19 @@ class LoopChoice:
                 raise
             return INTERPRETED
         march_rows = functions["march_rows"]
+        run_program: Callable[..., None] | None = arithmetic.compiled_program()
         follow = functions["follow_all"]
         settle = functions["settle"]
         if not use_numba:
             if not is_compiled(march_rows):
-                march_rows = INTERPRETED.march_rows
+                march_rows = INTERPRETED.table.march_rows
+            if not is_compiled(run_program):
+                run_program = None
             if not is_compiled(follow):
                 follow = self._interpreted_first(follow)
             if not is_compiled(settle):
                 settle = INTERPRETED.settle
-        return Loops(march_rows, follow, settle, True)
+        return Loops(TableLoops(march_rows, run_program), follow, settle, True)
 
     def _interpreted_first(self, compiled_loop: Follow) -> Follow:
         """Return an event loop, interpreted for up to TURN events per call until the budget is

@@ -22,7 +22,7 @@ from symosc.base.exact import LARGEST, scalar_of, show, unmasked
 from symosc.base.quantities import forcing_periods, read_number
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import Batch, batch_of
-from symosc.engine.flow import ConstantRows, constant_table, table_of
+from symosc.engine.flow import ConstantRows, TableLoops, constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
 from symosc.engine.state import PAIR_ROW, STATE_ROW
 from symosc.friction import BELT_NAMES, REQUIRED_OF_BELT, TWO_BELTS
@@ -342,11 +342,8 @@ class ParameterSets:
         ]
         return np.stack(columns, axis=1)
 
-    def table(self, rows: slice, march_rows: Callable[..., None]) -> np.ndarray:
-        """Return a table of the constants of the sets in `rows`.
-
-        `march_rows` computes those for fixed time steps.
-        """
+    def table(self, rows: slice, loops: TableLoops) -> np.ndarray:
+        """Return a table of the constants of the sets in `rows`, computed by `loops`."""
         if self._is_object:
             return table_of([Arithmetic(self[0]).K])
         if rows.stop == rows.start:
@@ -356,9 +353,7 @@ class ParameterSets:
         size = rows.stop - rows.start
         if size == 0:
             return table_of([])
-        return constant_table(
-            columns, size, lambda i: Arithmetic(self[rows.start + i]).K, march_rows
-        )
+        return constant_table(columns, size, lambda i: Arithmetic(self[rows.start + i]).K, loops)
 
 
 def _common_names(sets: Sequence[Model]) -> tuple[str, ...]:
@@ -425,12 +420,12 @@ class Problems:
         t0, x0, v0, end = (column.exact(i) for column in (self.t0, self.x0, self.v0, self.t_end))
         return Start(self.sets[i], t0, x0, v0, end, self.start_error)
 
-    def begin(self, rows: slice, march_rows: Callable[..., None]) -> tuple[Batch, np.ndarray]:
+    def begin(self, rows: slice, loops: TableLoops) -> tuple[Batch, np.ndarray]:
         """Return the motions in `rows` as a batch at the start, and their constants (see
         `ParameterSets.table`).
         """
         size = rows.stop - rows.start
-        table = self.sets.table(rows if len(self.sets) != 1 else slice(0, 1), march_rows)
+        table = self.sets.table(rows if len(self.sets) != 1 else slice(0, 1), loops)
         if len(self.sets) > 1:
             sets = np.arange(size)
         else:

@@ -30,7 +30,7 @@ def assert_as_alone(computed: np.ndarray, sets: list[Parameters]) -> None:
 @pytest.mark.parametrize("seed", range(2))
 def test_rows_are_those_of_single_sets(seed: int) -> None:
     sets = random_sets(seed, 30) + [load_scene(name).parameters for name in scene_names()]
-    assert_as_alone(ParameterSets(sets).table(slice(0, len(sets)), INTERPRETED.march_rows), sets)
+    assert_as_alone(ParameterSets(sets).table(slice(0, len(sets)), INTERPRETED.table), sets)
 
 
 def test_columns_of_doubles_are_the_decimals_that_they_print_as() -> None:
@@ -43,8 +43,8 @@ def test_columns_of_doubles_are_the_decimals_that_they_print_as() -> None:
         for i in range(40)
     ]
     assert [arguments[i] for i in range(40)] == single
-    whole = arguments.table(slice(0, 40), INTERPRETED.march_rows)
+    whole = arguments.table(slice(0, 40), INTERPRETED.table)
     assert_as_alone(whole, single)
     part = {name: np.broadcast_to(column, 40)[7:8] for name, column in columns.items()}
-    alone = ParameterSets(part).table(slice(0, 1), INTERPRETED.march_rows)
+    alone = ParameterSets(part).table(slice(0, 1), INTERPRETED.table)
     assert alone.tobytes() == whole[7:8].tobytes()  # however a sweep is cut into calls

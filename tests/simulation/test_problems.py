@@ -22,7 +22,7 @@ FIG9 = load_scene("fig9").parameters
 
 
 def begun(problems: Problems) -> np.ndarray:
-    return problems.begin(slice(0, len(problems)), INTERPRETED.march_rows)[0].states
+    return problems.begin(slice(0, len(problems)), INTERPRETED.table)[0].states
 
 
 def assert_begun_as_alone(problems: Problems) -> None:
