@@ -467,9 +467,7 @@ def constant_table(
     return table
 
 
-def _fill_by_columns(
-    table: np.ndarray, columns: dict[str, PairColumn], doubts: np.ndarray
-) -> None:
+def _fill_by_columns(table: np.ndarray, columns: dict[str, PairColumn], doubts: np.ndarray) -> None:
     """Compute the constants column by column, and add to `doubts` the rows that need more digits."""
     watched = {name: PairColumn(column.hi, column.lo, doubts) for name, column in columns.items()}
     with np.errstate(all="ignore"):
@@ -500,9 +498,7 @@ def _fill_by_program(
         arguments[n, 0] = column.hi
         arguments[n, 1] = column.lo
     results = np.empty((len(table), len(program.results)))
-    run_program(
-        program.operations, program.constants, program.results, arguments, results, doubts
-    )
+    run_program(program.operations, program.constants, program.results, arguments, results, doubts)
     for number, y, x in program.angles:
         results[:, number] = atan2_of_columns(results[:, y], results[:, x])
     rows = table.view(np.float64).reshape(len(table), -1)

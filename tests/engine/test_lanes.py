@@ -15,7 +15,7 @@ from regimes import random_sets
 from symosc import Parameters, load_scene, simulate_many
 from symosc.engine import arithmetic
 from symosc.engine.batch import end_by_phase, is_inexact, keep_state, state_of
-from symosc.engine.flow import ConstantRows
+from symosc.engine.flow import ConstantRows, TableLoops
 from symosc.engine.lanes import (
     BELT_THERE,
     KIND,
@@ -58,7 +58,7 @@ def followed(
     """Follow motions in blocks and by the interpreted source, compare them, and return the steps in lanes, and all."""
     width = functions["LANES"]
     batch, table = Problems(p, starts, starts[:, 0] + span, None).begin(
-        slice(0, len(starts)), functions["march_rows"]
+        slice(0, len(starts)), TableLoops(functions["march_rows"], None)
     )
     arguments = np.zeros((OF_MOTION, width))
     computed = np.zeros((OF_RESULT, width))

@@ -29,7 +29,9 @@ def with_compiled(monkeypatch: pytest.MonkeyPatch, there: bool) -> dict[str, Any
         name: compiled_function(name, there)
         for name in ("march_rows", "follow_all", "settle", "search_row", "doubt_row")
     }
+    functions["run_program"] = compiled_function("run_program", there)
     monkeypatch.setattr(loops, "compiled", lambda: functions)
+    monkeypatch.setattr(arithmetic, "compiled_program", lambda: functions["run_program"])
     monkeypatch.setattr(loops, "loaded_loop", lambda: None)
     return functions
 
@@ -51,7 +53,8 @@ def test_the_caller_decides_about_many(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_code_on_disk_is_loaded(monkeypatch: pytest.MonkeyPatch) -> None:
     functions = with_compiled(monkeypatch, True)
     chosen = LoopChoice().of_many(None)
-    assert chosen[:3] == tuple(functions[name] for name in ("march_rows", "follow_all", "settle"))
+    assert chosen.table == (functions["march_rows"], functions["run_program"])
+    assert chosen[1:3] == (functions["follow_all"], functions["settle"])
 
 
 def test_without_code_events_are_interpreted_until_the_budget_is_spent(
