@@ -39,7 +39,9 @@ from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.batch import warm
 from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.loops import CHOICE
 from symosc.simulation.motion import Motion
+from symosc.simulation.problems import ParameterSets
 from symosc.simulation.simulate import read_start, simulate
 from symosc.simulation.tables import EventTable
 from symosc.simulation.tangents import NAMES
@@ -218,6 +220,10 @@ def _ensemble(count: int) -> Iterator[Call]:
     yield Call("all columns of a summary", "event", partial(follow, record="summary"))
     columns: Record = by_name(p, float)
     columns["Omega"] = np.random.default_rng(2).uniform(0.9, 1.1, count) * float(p.Omega)
+    sets = ParameterSets(columns)
+    loops = CHOICE.of_many(True).table
+    made = partial(sets.table, slice(0, count), loops)
+    yield Call("constants of as many values of Omega", "set", made, count)
     swept = partial(
         simulate_many, columns, (0, 0, 0), PERIODS * 2 * pi / columns["Omega"], **ONE_CORE
     )
