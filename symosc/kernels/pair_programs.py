@@ -4,9 +4,9 @@ compiled loop.
 This file is executed with other globals: see symosc/kernels/rebind.py.
 
 `Recorder` makes numbers that note what is done to them: a function of columns
-(`symosc.kernels.pair_columns`) that is called with them writes a list of operations instead of
-numbers. `run_program` works it off, and does to each row what columns do, with the same bits. So
-the source of the formulas stays one, is compiled never, and may change without compiling anything.
+(`symosc.kernels.pair_columns`) that is called with them leaves a list of operations. `run_program`
+does these to each row as columns do, with the same bits. So there is one source of the formulas,
+and to change it compiles nothing.
 """
 
 from __future__ import annotations
@@ -86,11 +86,13 @@ class Program(NamedTuple):
 class Recorder:
     """The maker of a program: numbers for its arguments, and what is noted of them."""
 
+    # A register is the kind of what it holds ("argument", "constant" or "result") and a number
+    # among those: the places are known when all is noted.
+
     def __init__(self) -> None:
         self._operations = list[tuple[int, Any, Any, Any]]()
         self._arguments = 0
         self._constants = dict[tuple[float, float, float, float], int]()
-        # Registers are numbered when all are known: ("argument" or "constant" or "result", number).
 
     def argument(self) -> Recorded:
         """Return the pair that is the next argument of the program."""
