@@ -497,12 +497,10 @@ def _fill_by_program(
     for n, column in enumerate(columns.values()):
         arguments[n, 0] = column.hi
         arguments[n, 1] = column.lo
-    results = np.empty((len(table), len(program.results)))
-    run_program(program.operations, program.constants, program.results, arguments, results, doubts)
-    for number, y, x in program.angles:
-        results[:, number] = atan2_of_columns(results[:, y], results[:, x])
     rows = table.view(np.float64).reshape(len(table), -1)
-    rows[:] = results[:, : rows.shape[1]]
+    run_program(program.operations, program.constants, program.results, arguments, rows, doubts)
+    for number, y, x in program.angles:
+        rows[:, number] = atan2_of_columns(rows[:, y], rows[:, x])
 
 
 @lru_cache(maxsize=64)

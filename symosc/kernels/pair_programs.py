@@ -120,15 +120,18 @@ class Recorder:
         return "result", len(self._operations) - 1
 
     def program(self, results: Iterable[Any]) -> Program:
-        """Return the program that computes `results`: recorded numbers, angles or constants."""
+        """Return the program that computes `results`: recorded numbers, constants, or angles of
+        which y and x are results too.
+        """
         results = list(results)
-        angles = []
-        for number, result in enumerate(results):
-            if isinstance(result, Angle):
-                angles.append((number, len(results), len(results) + 1))
-                results[number] = result.y
-                results += result
-        wanted = [self.register(result) for result in results]
+        wanted = [
+            self.register(result.y if isinstance(result, Angle) else result) for result in results
+        ]
+        angles = [
+            (number, wanted.index(result.y.register), wanted.index(result.x.register))
+            for number, result in enumerate(results)
+            if isinstance(result, Angle)
+        ]
         first = {"argument": 0, "constant": self._arguments}
         first["result"] = self._arguments + len(self._constants)
         operations = [

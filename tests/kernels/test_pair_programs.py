@@ -60,7 +60,7 @@ def of_doubles(a: Any, b: Any, c: Any) -> list[Any]:
     signs = (flags[0] & flags[1], flags[0] | flags[3], flags[2] ^ True, flags[2] ^ flags[3])
     numbers = (x + y, x - y, 1 - x, x * y, x / y, 2 * pi / y, -x, abs(x), root_of_columns(abs(x)))
     chosen = (either(flags[0], x, y), either(flags[1], 1, z), larger(x, z), 3.0, False)
-    return [*flags, *signs, *numbers, *chosen, angle_of_columns(x, y)]
+    return [*flags, *signs, *numbers, *chosen, x, y, angle_of_columns(x, y)]
 
 
 @pytest.mark.parametrize("formulas", [of_pairs, of_doubles])
