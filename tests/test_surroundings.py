@@ -74,6 +74,7 @@ def test_a_figure_on_a_full_disk(suffix: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(2)
 @pytest.mark.parametrize(("suffix", "most"), [("pdf", 8), ("pdf", 9), ("svg", 8)])
 def test_a_figure_with_few_descriptors(suffix: str, most: int, tmp_path: Path) -> None:
     code, said = limited(

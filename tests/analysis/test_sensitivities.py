@@ -99,6 +99,7 @@ def differences(
     ).reshape(-1, 2), motions
 
 
+@pytest.mark.full(10)
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(16))
 def test_derivatives_are_those_of_differences(seed: int) -> None:

@@ -170,6 +170,7 @@ def branch(name: str, low: str, high: str) -> Branch:
 
 
 @pytest.mark.slow
+@pytest.mark.full(1)
 @pytest.mark.parametrize(
     ("name", "low", "high"), [("fig9", "3.99", "4.01"), ("fig10", "1.74", "1.76")]
 )

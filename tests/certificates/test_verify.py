@@ -452,6 +452,7 @@ def test_branches_in_all_parameters_are_proven_again() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.full(2)
 @pytest.mark.parametrize("name", ["c", "k", "m"])
 def test_a_branch_through_critical_damping_is_proven(name: str) -> None:
     orbit = next(

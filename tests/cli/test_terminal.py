@@ -83,6 +83,7 @@ COUNTED = {
 }
 
 
+@pytest.mark.full(2)
 @pytest.mark.parametrize("name", COUNTED)
 def test_work_of_known_length_has_a_bar_with_rate_and_time_left(name: str, tmp_path: Path) -> None:
     command, unit = COUNTED[name]

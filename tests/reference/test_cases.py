@@ -190,7 +190,7 @@ def test_the_continuum_ends_where_csernak_has_it() -> None:
     assert wall("0.1", "1/2").mu1 == Fraction(1, 10)
 
 
-@pytest.mark.full(8)
+@pytest.mark.full(5)
 @pytest.mark.quick(1)
 @pytest.mark.parametrize("mapping", GRAZE_TIMES)
 @pytest.mark.parametrize("regime", DAMPED)

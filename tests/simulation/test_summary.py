@@ -75,6 +75,7 @@ def compare(computed: dict[str, Any], expected: dict[str, Any], where: object) -
     np.testing.assert_allclose(computed["section"], expected["section"], rtol=0, atol=1e-9 * scale)
 
 
+@pytest.mark.full(12)
 @pytest.mark.quick(3)
 @pytest.mark.parametrize("seed", range(24))
 def test_a_summary_says_what_a_trajectory_shows(seed: int) -> None:

@@ -19,7 +19,7 @@ from typing import Any
 #: (a slow one).
 CLOCKS: dict[str, Any] = {"standing": lambda: 0.0, "rushing": count(0.0, 86400.0).__next__}
 SWEEP: dict[str, Any] = {
-    "over": {"Omega": "3.9:4.5:24", "FN": [2, 10]},
+    "over": {"Omega": "3.9:4.5:12", "FN": [2, 10]},
     "record": ("word", "multiplicity", "x", "v", "stuck", "x_max", "section:2"),
     "t_end": "60T",
 }
@@ -42,7 +42,7 @@ def motions() -> list[tuple[str, Any, list[Any], Any, Any]]:
     dice = random.Random(5)
     sets = [
         fig8.parameters.replace(A0=fig8.parameters.A0 + Fraction(dice.randint(-99, 99), 100))
-        for _ in range(20)
+        for _ in range(8)
     ]
     starts = [
         (Fraction(dice.randint(0, 50), 10), Fraction(dice.randint(-600, 600), 100), 0) for _ in sets
