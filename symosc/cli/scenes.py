@@ -13,7 +13,17 @@ from symosc.base.errors import OutputError
 from symosc.base.exact import show
 from symosc.base.files import STDOUT, write_text
 from symosc.cli import options, output
-from symosc.scenes import START_NAMES, Original, Scene, as_toml, figure_of, load_scene, scene_names
+from symosc.scenes import (
+    START_NAMES,
+    Original,
+    Scene,
+    as_toml,
+    figure_of,
+    load_scene,
+    load_template,
+    scene_names,
+    template_names,
+)
 
 
 @click.command()
@@ -75,7 +85,11 @@ def _scene_data(scene: Scene) -> Record:
 @click.command()
 @click.argument("file", callback=options.checked_file)
 @options.option(
-    "--like SCENE", "The scene whose numbers it has.", default="fig5", show_default=True
+    "--like SCENE",
+    "The scene whose numbers it has; stick-slip: one belt with static friction.",
+    default="fig5",
+    show_default=True,
+    shell_complete=options.complete(lambda: (*scene_names(), *template_names())),
 )
 @options.flag("--force", "Replace a file that is there.")
 def new(file: str, like: str, force: bool) -> None:
@@ -88,8 +102,9 @@ def new(file: str, like: str, force: bool) -> None:
     Examples:
       symosc new mine.toml
       symosc new orbit.toml --like fig9
+      symosc new mine.toml --like stick-slip
     """
-    scene = load_scene(like)
+    scene = load_template(like)
     if file == STDOUT:
         write_text(file, as_toml(scene, explained=True) + "\n")
         return

@@ -30,9 +30,9 @@ from symosc.base.display.drawable import Drawable
 from symosc.base.errors import ParameterError, SceneError, meant
 from symosc.base.exact import read_start_error, show
 from symosc.base.quantities import QUANTITIES, forcing_periods, half_unit, read_number, unit_of
-from symosc.model import PARAMETER_NAMES, Belt, Model, Oscillator, Parameters
+from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Belt, Model, Oscillator, Parameters
 from symosc.reductions import OtherModel, reduced_start, reduced_time
-from symosc.scenes.files import MOST_CHARACTERS, read_scene_file
+from symosc.scenes.files import MOST_CHARACTERS, SceneFile, read_scene_file
 from symosc.words import WordError, read_word
 
 #: Parameters or an Oscillator; or a Scene, the name or file of one, or an OtherModel, of which a
@@ -42,6 +42,7 @@ ParametersLike: TypeAlias = "Model | Scene | OtherModel | SceneName"
 StartErrors: TypeAlias = tuple[Fraction, Fraction, Fraction]
 
 SCENES_FOLDER = Path(__file__).parent
+TEMPLATES_FOLDER = SCENES_FOLDER / "templates"
 #: The numbers of a start, with the end and without.
 START_NAMES = ("t0", "x0", "v0", "t_end")
 STARTS = START_NAMES[:3]
@@ -400,6 +401,18 @@ def _shipped(name: str) -> Scene:
     return _read_file(SCENES_FOLDER / f"{name}.toml", name)
 
 
+def template_names() -> list[str]:
+    """Return the names of the scenes that only `symosc new` writes, to begin with."""
+    return sorted(path.stem for path in TEMPLATES_FOLDER.glob("*.toml"))
+
+
+def load_template(name: str) -> Scene:
+    """Return the template of this name, or else what `load_scene` returns."""
+    if name in template_names():
+        return _read_file(TEMPLATES_FOLDER / f"{name}.toml", name)
+    return load_scene(name)
+
+
 def figure_of(name: str) -> int | None:
     """Return the number of the paper's figure in a scene's name; None if the scene is not from the
     paper.
@@ -476,7 +489,7 @@ def read_scene(text: str, where: str) -> Scene:
         if "model" in data:
             problem = OtherModel(**numbers, **data["model"])
         elif "belts" in data:
-            problem = Oscillator(**numbers, belts=[Belt(**belt) for belt in data["belts"]])
+            problem = Oscillator(**numbers, belts=_read_belts(file))
         else:
             problem = Parameters(**numbers)
         return Scene(
@@ -494,6 +507,17 @@ def read_scene(text: str, where: str) -> Scene:
         raise SceneError(file.where, f"{file.place('structure')}: structure: {error}") from None
 
 
+def _read_belts(file: SceneFile) -> list[Belt]:
+    """Return the belts of a file; the message of an error says which table is meant."""
+    belts = []
+    for n, numbers in enumerate(file.data["belts"]):
+        try:
+            belts.append(Belt(**numbers))
+        except ParameterError as error:
+            raise file.located(error, n) from None
+    return belts
+
+
 # --- writing ---
 
 #: What stands at the top of a file with comments.
@@ -509,6 +533,10 @@ MODEL_COMMENT = """\
 # Another model, which symosc turns into its own. The base moves by Y cos(Omega t + Y_phase); the belts have the speeds
 # v1 and v2 and W cos(Omega t + W_phase), and joined = true moves them with the base; the force is A0 + B0 cos(Omega t +
 # phase); g and angle are gravity on a slope. What is left out is 0, mu1 is 1; without v2 there is one belt or wall."""
+BELTS_COMMENT = """\
+# One belt, or two: a table each. The mass sticks to a belt while the force that this needs is at most mu_s FN, and
+# slides with mu FN; without mu_s there is no static friction beyond mu. What is left out of [parameters] is A0 = B0 = 0
+# and FN = 1, so that the coefficients are forces; without a drive there is no Omega."""
 START_COMMENT = (
     "# The mass at the start. start_error = 1e-9 would say that these three may be off by so much."
 )
@@ -548,6 +576,13 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
     else:
         own = scene.original
     parameters: dict[str, Any] = scene.parameters.as_dict()
+    belts = list[str]()
+    if isinstance(scene.parameters, Oscillator):
+        parameters = {n: text for n, text in parameters.items() if n in OSCILLATOR_NAMES}
+        belts += [BELTS_COMMENT] if explained else []
+        for belt in scene.parameters.belts:
+            shown = ("v", "mu", "mu_s") if belt.has_static else ("v", "mu")
+            belts += ["[[belts]]", *(line(name, show(getattr(belt, name))) for name in shown), ""]
     lines += [line("t_end", show(own.t_end)), ""]
     if scene.original is not None:
         parameters = scene.original.model.as_dict()
@@ -564,6 +599,7 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         "[parameters]",
         *(line(name, text) for name, text in parameters.items()),
         "",
+        *belts,
         "[start]",
     ]
     if explained:

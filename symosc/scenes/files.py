@@ -11,7 +11,7 @@ from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, SceneError, SymoscError, brief, meant
 from symosc.base.exact import show
 from symosc.base.quantities import forcing_periods, read_number
-from symosc.model import PARAMETER_NAMES
+from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES
 from symosc.reductions import MODEL_NAMES
 
 #: Keys of a scene file: table, those that are needed, and those that may be there.
@@ -28,6 +28,18 @@ MODEL_TABLES = TABLES | {
     "parameters": (NEEDED, tuple(name for name in PARAMETER_NAMES if name not in NEEDED)),
     "model": ((), MODEL_KEYS),
 }
+#: The keys of a file with tables [[belts]], which is about an `Oscillator`, and those of such a table.
+BELTS_NEEDED = ("m", "c", "k")
+BELTS_TABLES = TABLES | {
+    "": (TABLES[""][0], (*TABLES[""][1], "belts")),
+    "parameters": (
+        BELTS_NEEDED,
+        tuple(name for name in OSCILLATOR_NAMES if name not in BELTS_NEEDED),
+    ),
+}
+BELT_KEYS = (("v", "mu"), ("mu_s", "curve", "slope"))
+#: Names of belts' numbers in [parameters], which exclude tables [[belts]].
+OF_NUMBERED_BELTS = tuple(name for name in PARAMETER_NAMES if name not in OSCILLATOR_NAMES)
 #: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes
 #: minutes and gigabytes for a key of ten thousand parts. The last number is how many characters a
 #: note shows of a long number.
@@ -56,28 +68,39 @@ class SceneFile(NamedTuple):
         """
         if "model" in self.data:
             return MODEL_TABLES
+        if "belts" in self.data:
+            return BELTS_TABLES
         return TABLES
 
-    def place(self, *path: str) -> str:
+    def place(self, *path: str | int) -> str:
         """Return the line and the table of a key as text for a message."""
         line = line_of(self.text, path)
-        return ", ".join(
-            filter(None, [f"line {line}" if line else "", f"[{path[0]}]" if len(path) > 1 else ""])
-        )
+        table = ""
+        if len(path) > 1 and isinstance(path[1], int):
+            table = f"table {path[1] + 1} of [[{path[0]}]]"
+        elif len(path) > 1:
+            table = f"[{path[0]}]"
+        return ", ".join(filter(None, [f"line {line}" if line else "", table]))
 
-    def located(self, error: ParameterError) -> SymoscError:
-        """Return a copy of an error that also says where in the file the number is."""
+    def located(self, error: ParameterError, belt: int | None = None) -> SymoscError:
+        """Return a copy of an error that also says where in the file the number is.
+
+        `belt` is the index of the table [[belts]] that it is in.
+        """
         where = self.where
-        for name, (required, optional) in self.tables.items():
-            if error.name in (*required, *optional):
-                where = ", ".join(
-                    filter(None, [where, self.place(*filter(None, [name, error.name]))])
-                )
-                break
+        place = ""
+        if belt is not None:
+            place = self.place("belts", belt, error.name)
+        else:
+            for name, (required, optional) in self.tables.items():
+                if error.name in (*required, *optional):
+                    place = self.place(*filter(None, [name, error.name]))
+                    break
+        where = ", ".join(filter(None, [where, place]))
         return ParameterError(error.name, error.value, f"{error.allowed} ({where})")
 
 
-def line_of(text: str, path: Sequence[str]) -> int | None:
+def line_of(text: str, path: Sequence[str | int]) -> int | None:
     """Return the number of the last line of the value at a path of keys in a TOML text, None if it
     is not found.
     """
@@ -99,6 +122,8 @@ def line_of(text: str, path: Sequence[str]) -> int | None:
         for key in path:
             if isinstance(data, dict):
                 data = data.get(key)
+            elif isinstance(data, list) and isinstance(key, int) and key < len(data):
+                data = data[key]
             else:
                 data = None
         if data is not None:
@@ -129,6 +154,8 @@ def read_scene_file(text: str, where: str) -> SceneFile:
             where, "is empty; `symosc scenes fig5` prints an example, `symosc new` writes one"
         )
     file = SceneFile(text, where, data, [])
+    if "belts" in data:
+        _check_belts(file)
     for table in file.tables:
         _check_keys(file, table)
     for key in ("name", "structure", "source"):
@@ -139,7 +166,43 @@ def read_scene_file(text: str, where: str) -> SceneFile:
         for name in data[table]:
             if name not in ("start_error", "joined"):
                 _check_number(file, data[table], name)
+    for n, belt in enumerate(data.get("belts", ())):
+        for name in belt:
+            if name != "curve":
+                _check_number(file, belt, name, n)
     return file
+
+
+def _check_belts(file: SceneFile) -> None:
+    """Raise SceneError for the form of the tables [[belts]], or for what excludes them."""
+    belts = file.data["belts"]
+    if "model" in file.data:
+        raise SceneError(
+            file.where,
+            f"{file.place('belts')}: a file with a table [model] has no tables [[belts]]: give its "
+            "belts as v1, mu1, v2 and mu2 in [parameters]",
+        )
+    if not (isinstance(belts, list) and belts and all(isinstance(belt, dict) for belt in belts)):
+        raise SceneError(
+            file.where,
+            f"{file.place('belts')}: belts must be tables: [[belts]] and below it v and mu, for "
+            "each belt",
+        )
+    parameters = file.data.get("parameters")
+    if isinstance(parameters, dict):
+        for name in OF_NUMBERED_BELTS:
+            if name in parameters:
+                raise SceneError(
+                    file.where,
+                    f"{file.place('parameters', name)}: parameters.{name} and [[belts]] exclude "
+                    f"each other: give it as {name[:-1]} in a table [[belts]], or leave these out",
+                )
+    for n, belt in enumerate(belts):
+        required, optional = BELT_KEYS
+        if "curve" in belt:  # which `Belt` refuses
+            required = ("v",)
+            optional = ("mu", *optional)
+        _check_table(file, belt, (required, optional), ("belts", n))
 
 
 def _check_keys(file: SceneFile, name: str) -> None:
@@ -150,28 +213,42 @@ def _check_keys(file: SceneFile, name: str) -> None:
         table = file.data
     if not isinstance(table, dict):
         raise SceneError(file.where, f"{file.place(name)}: [{name}] must be a table")
-    required, optional = file.tables[name]
-    if name:
-        prefix = f"{name}."
+    _check_table(file, table, file.tables[name], (name,) if name else ())
+
+
+def _check_table(
+    file: SceneFile,
+    table: Record,
+    keys: tuple[tuple[str, ...], tuple[str, ...]],
+    path: tuple[str | int, ...],
+) -> None:
+    """Raise SceneError unless the table at `path` has these required and optional keys."""
+    required, optional = keys
+    if path:
+        prefix = f"{path[0]}."
     else:
         prefix = ""
     known = (*required, *optional)
     missing = [key for key in required if key not in table]
     for key in table:  # before what is missing: that may be what was meant
         if key not in known:
-            location = file.place(*filter(None, [name, key]))
+            location = file.place(*path, key)
             hint = meant(key, missing or known)
             unknown = f"{prefix}{brief(key)} is unknown{hint}; known are {', '.join(known)}"
-            if name == "parameters" and key in MODEL_KEYS:
+            if prefix == "parameters." and key in MODEL_KEYS:
                 unknown += (
                     "; a model other than that of symosc has a table [model], and this stands there"
                 )
+            elif prefix == "parameters." and key.startswith(("mu", "v")):
+                unknown += "; tables [[belts]] have v, mu and mu_s of each belt"
             raise SceneError(file.where, f"{location}: {unknown}" if location else unknown)
     for key in missing:
-        if name and file.place(name):
-            begins = f"; [{name}] begins in {file.place(name)}"
-        else:
-            begins = ""
+        where = file.place(*path)
+        begins = ""
+        if len(path) == 1 and where:
+            begins = f"; [{path[0]}] begins in {where}"
+        elif path and where:
+            begins = f"; it begins in {where}"
         if key in TABLES:
             advice = f": give it in a table [{key}]"
         else:
@@ -179,9 +256,11 @@ def _check_keys(file: SceneFile, name: str) -> None:
         raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
 
 
-def _check_number(file: SceneFile, table: Record, name: str) -> None:
+def _check_number(file: SceneFile, table: Record, name: str, belt: int | None = None) -> None:
     """Check a number that is given as text; if it is read to 40 digits only, add a note on it to
     `file.notes`.
+
+    `belt` is the index of the table [[belts]] that it is in.
     """
     if isinstance(table[name], str):
         try:
@@ -189,7 +268,7 @@ def _check_number(file: SceneFile, table: Record, name: str) -> None:
                 return  # a time that depends on Omega, see `symosc.scenes.end_time`
             number, exact = read_number(name, table[name])
         except ParameterError as error:
-            raise file.located(error) from None
+            raise file.located(error, belt) from None
         if not exact:
             shown = show(number)
             if len(shown) > SHOWN_PART:
