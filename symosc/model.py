@@ -11,7 +11,8 @@ explains the words that the code uses.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
@@ -68,6 +69,15 @@ class Model:
     def numbers(self) -> dict[str, Fraction]:
         """Return all parameters by name."""
         raise NotImplementedError
+
+    def given_numbers(self) -> dict[str, Fraction]:
+        """Return the numbers that are to be given for this model, by name."""
+        return self.numbers()
+
+    @property
+    def has_periods(self) -> bool:
+        """Whether Omega is given, so that times may be counted in periods of the drive."""
+        return True
 
     @property
     def parameters(self) -> Parameters:
@@ -171,6 +181,12 @@ class Parameters(Model):
     def parameters(self) -> Parameters:
         """The parameters themselves, as for an `Oscillator`."""
         return self
+
+    @property
+    def oscillator(self) -> Oscillator:
+        """The same oscillator as an `Oscillator`, which may have static friction."""
+        shared = {name: getattr(self, name) for name in OSCILLATOR_NAMES}
+        return Oscillator(**shared, belts=[Belt(self.v1, self.mu1), Belt(self.v2, self.mu2)])
 
     @cached_property
     def _law(self) -> FrictionLaw:  # type: ignore[override]
@@ -455,6 +471,11 @@ class Oscillator(Model):
         return FrictionLaw(self.belts, self.FN)  # type: ignore[arg-type]
 
     @property
+    def has_periods(self) -> bool:
+        """Whether Omega is given, so that times may be counted in periods of the drive."""
+        return not self.has_free_clock
+
+    @property
     def edges(self) -> tuple[Edge, ...]:
         """The speeds at which friction jumps, in order."""
         return tuple(
@@ -514,6 +535,14 @@ class Oscillator(Model):
             numbers |= {f"{name}{n}": getattr(belt, name) for name in BELT_NAMES}
         return numbers
 
+    def given_numbers(self) -> dict[str, Fraction]:
+        """Return what `model_from` reads: all numbers but static coefficients equal to kinetic ones."""
+        numbers: dict[str, Fraction] = {name: getattr(self, name) for name in OSCILLATOR_NAMES}
+        for n, belt in enumerate(self.belts, 1):
+            names = BELT_NAMES if belt.has_static else BELT_NAMES[:2]
+            numbers |= {f"{name}{n}": getattr(belt, name) for name in names}
+        return numbers
+
     def _shared(self) -> dict[str, Fraction | None]:
         """Return the numbers beside those of the belts, as they were given."""
         shared: dict[str, Any] = {name: getattr(self, name) for name in OSCILLATOR_NAMES}
@@ -529,7 +558,7 @@ class Oscillator(Model):
         belt without static friction keeps mu_s = mu if only its mu is changed.
         """
         shared = self._shared()
-        belts: Any = changes.pop("belts", self.belts)
+        belts: Any = _read_belts(changes.pop("belts", self.belts))
         of_belts = dict[int, dict[str, Any]]()
         for name, value in changes.items():
             belt = name.rstrip("0123456789")
@@ -542,7 +571,11 @@ class Oscillator(Model):
                 known = (*self.numbers(), "belts")
                 allowed = f"unknown parameter; choose from {', '.join(known)}"
                 raise ParameterError(name, value, allowed + meant(name, known))
-        changed = [belt.replace(**of_belts.get(n, {})) for n, belt in enumerate(belts, 1)]
+        changed = []
+        for n, belt in enumerate(belts, 1):
+            with _named_after_belt(n):
+                changed.append(belt.replace(**of_belts.get(n, {})))
+        _check_order(changed)
         return Oscillator(**shared, belts=changed)
 
     def _repr_latex_(self) -> str:
@@ -579,12 +612,29 @@ def model_from(numbers: Mapping[str, Any]) -> Model:
         return Parameters(**numbers)
     belts = []
     for n in range(1, belts_named(numbers) + 1):
-        try:
+        with _named_after_belt(n):
             belts.append(Belt(**numbers_of_belt(n, numbers)))
-        except ParameterError as error:
-            raise ParameterError(f"{error.name}{n}", error.value, error.allowed) from None
+    _check_order(belts)
     shared = {name: numbers[name] for name in OSCILLATOR_NAMES if name in numbers}
     return Oscillator(**shared, belts=belts)
+
+
+def _check_order(belts: Sequence[Belt]) -> None:
+    """Raise ParameterError unless the speeds v1, v2 and so on increase."""
+    for n, (lower, upper) in enumerate(pairwise(belts), 1):
+        if lower.v >= upper.v:
+            raise ParameterError(
+                f"v{n}", show(lower.v), f"must be less than v{n + 1} = {show(upper.v)}"
+            )
+
+
+@contextmanager
+def _named_after_belt(n: int) -> Iterator[None]:
+    """Call the numbers of belt n v1, mu1 and so on in a ParameterError."""
+    try:
+        yield
+    except ParameterError as error:
+        raise ParameterError(f"{error.name}{n}", error.value, error.allowed) from None
 
 
 def _read_belts(belts: Any) -> tuple[Belt, ...]:

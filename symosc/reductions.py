@@ -29,7 +29,7 @@ from symosc.base.arguments import ARRAY_LIKE, FLAG, NUMBER, public, require, req
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import read_exact, show, unmasked
 from symosc.base.quantities import half_unit, read_number, rounded
-from symosc.model import Parameters, out_of_reach
+from symosc.model import OSCILLATOR_NAMES, Belt, Model, Oscillator, Parameters, out_of_reach
 
 if TYPE_CHECKING:  # scenes are read without numpy
     import numpy as np
@@ -131,8 +131,7 @@ class OtherModel:
 
     m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with
     the base y = Y cos(Omega t + Y_phase), and belts with the speeds v1 + w' and v2 + w'. Functions
-    that take Parameters take such a model too and work on the oscillator that it is, its
-    `parameters`; `simulate` and `frequency_response` give their results in the coordinates of the
+    that take Parameters take such a model too and work on the oscillator that it is; `simulate` and `frequency_response` give their results in the coordinates of the
     model.
 
     Parameters
@@ -157,8 +156,11 @@ class OtherModel:
 
     Attributes
     ----------
+    oscillator : Oscillator
+        The oscillator that it is, with one belt without v2.
     parameters : Parameters
-        Those of the oscillator that it is.
+        Its parameters as the paper's. In place of a second belt there is one without friction, too
+        fast to be met.
     exact : bool
         Whether these are exact. If not they, and a start, are known to 40 digits.
     delay : Fraction
@@ -300,6 +302,15 @@ class OtherModel:
         }
         return Parameters(**unchanged, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
 
+    @cached_property
+    def oscillator(self) -> Oscillator:
+        """The oscillator to which this model reduces, with the belts that it has."""
+        p = self.parameters
+        if self.v2 is not None:
+            return p.oscillator
+        shared = {name: getattr(p, name) for name in OSCILLATOR_NAMES}
+        return Oscillator(**shared, belts=[Belt(p.v1, p.mu1)])
+
     @public
     def replace(self, **changes: NumberLike | bool | None) -> OtherModel:
         """Return a copy with some numbers changed, for example ``model.replace(Omega="1/2")``."""
@@ -370,6 +381,13 @@ class OtherModel:
         return f"OtherModel({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
 
 
+def reduced_model(model: OtherModel) -> Model:
+    """Return the oscillator that a model is: `Parameters`, or an `Oscillator` if it has one belt."""
+    if model.v2 is None:
+        return model.oscillator
+    return model.parameters
+
+
 def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
     """Return the oscillation w of the belts and its rate w' at times of the model, in doubles."""
     import numpy as np
@@ -408,7 +426,6 @@ def reduced_start(
     """Return a model's start as t0, x0, v0 of symosc's oscillator, and by how much each may be off
     (0 if exact).
     """
-    p = model.parameters
     zero = Fraction(0)
     (cos, sin, exact) = cos_sin(model.Omega * t0)
     s0 = reduced_time(model, t0)
@@ -423,9 +440,9 @@ def reduced_start(
         return (s0, x0 - w, v0 - rate), (s_error, zero, zero)
     (z0, z_error), (u0, u_error) = (_difference(a, b) for a, b in ((x0, w), (v0, rate)))
     # A velocity that may be that of a belt, up to rounding, is that of the belt.
-    for belt in (p.v1, p.v2):
-        if abs(u0 - belt) <= half_unit(abs(v0) + abs(rate)):
-            u0 = belt
+    for belt in model.oscillator.belts:
+        if abs(u0 - belt.v) <= half_unit(abs(v0) + abs(rate)):
+            u0 = belt.v
             u_error = zero
     return (s0, z0, u0), (s_error, z_error, u_error)
 

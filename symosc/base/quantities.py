@@ -50,6 +50,8 @@ QUANTITIES = {
     "v": Quantity("speed of a belt", "length/time", "v"),
     "mu": Quantity("kinetic coefficient of friction", "1", r"\mu", ">= 0"),
     "mu_s": Quantity("static coefficient of friction", "1", r"\mu_s", ">= 0"),
+    "mu_s1": Quantity("static coefficient of belt 1", "1", r"\mu_{s,1}", ">= 0"),
+    "mu_s2": Quantity("static coefficient of belt 2", "1", r"\mu_{s,2}", ">= 0"),
     "t0": Quantity("start time", "time", "t_0"),
     "x0": Quantity("start position", "length", "x_0"),
     "v0": Quantity("start velocity", "length/time", "v_0"),
@@ -83,10 +85,10 @@ UNITS = {
 def _quantity(name: str) -> Quantity:
     """Return the `Quantity` called `name`.
 
-    An index after the name, as in "Omega[3]", is ignored.
+    An index after the name, as in "Omega[3]", is ignored, and so is the number of a belt.
     """
     parameter, _, _ = name.partition("[")  # of a cell, such as "Omega[3]"
-    return QUANTITIES[parameter]
+    return QUANTITIES.get(parameter) or QUANTITIES[parameter.rstrip("0123456789")]
 
 
 def unit_of(name: str) -> str:

@@ -11,7 +11,7 @@ import symosc
 from symosc.base.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
-from symosc.model import PARAMETER_NAMES
+from symosc.model import PARAMETER_NAMES, STATIC_NAMES
 from symosc.scenes import START_NAMES
 
 if TYPE_CHECKING:
@@ -29,7 +29,9 @@ def _columns() -> list[str]:
 MOST_VALUES = 8
 AXES: Record = {
     "multiple": True,
-    "shell_complete": options.complete(lambda: (*PARAMETER_NAMES, *START_NAMES[:3]), "="),
+    "shell_complete": options.complete(
+        lambda: (*PARAMETER_NAMES, *STATIC_NAMES, *START_NAMES[:3]), "="
+    ),
 }
 COLUMNS: Record = {
     "default": "word",
@@ -40,7 +42,12 @@ COLUMNS: Record = {
 
 @click.command()
 @options.scene_argument
-@option("--over NAME=LO:HI:N", "An axis: a parameter, or t0, x0 or v0. Repeatable.", "axes", **AXES)
+@option(
+    "--over NAME=LO:HI:N",
+    "An axis: a parameter, mu_s1, mu_s2, t0, x0 or v0. Repeatable.",
+    "axes",
+    **AXES,
+)
 @options.set_option
 @option("--record NAMES", "Columns, such as word,sticks,section:64.", **COLUMNS)
 @option("--t-end T", "End of all motions; 60T: after 60 periods. Default: the scene's.")

@@ -106,7 +106,8 @@ def figure(
         9 and 10), with `ax` "a".
     boundary : int, optional
         1 to draw F^(1) and F^(2), 2 to draw F^(2) and F^(3) (accelerations, eq. (9)). Default: the
-        boundary of the first event.
+        boundary of the first event. Over sticks on a belt with static friction a band shows by how
+        much it exceeds kinetic friction: where its edge comes to 0 the stick ends.
     columns : int, optional
         2: panels side by side, for the width of a page (7 in). 1: above each other, for one column
         of it (3.4 in). A phase plane alone is square.
@@ -149,7 +150,7 @@ def figure(
         usual = "abcd"
     panels = read_panels(usual if panels is None and ax is None else panels, PANELS, ax)
     if boundary is not None:
-        boundary = whole_number("boundary", boundary, 1, 2)
+        boundary = whole_number("boundary", boundary, 1, len(motion.parameters.law.boundaries))
     columns = whole_number("columns", columns, 1, 2)
     if skip is None:
         since = -inf

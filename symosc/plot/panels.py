@@ -18,7 +18,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from symosc.base.aliases import Record
-from symosc.friction import NEIGHBOURS
+from symosc.friction import geometry
 from symosc.simulation.trajectory import MovedTrajectory, Trajectory, belt_path
 
 BELT_COLOR = "black"
@@ -52,6 +52,8 @@ EVENT_MARKS = {
 # A stick shorter than this fraction of the time axis would be a dot: it gets an inset.
 SHORT_STICK = 0.01
 MOST_INSETS = 2
+#: The entry of the legend for what static friction adds.
+HOLD_LABEL = "static friction"
 #: By how much of the range of the velocities an axis may be longer to show a belt's speed.
 LONGER_AXIS = 0.65
 #: Belts nearer than this part of the axis have names that would lie over each other.
@@ -84,7 +86,7 @@ class View:
     """What the panels draw: samples t, x, v of a trajectory, marks for its events, and its contacts
     with the belts.
 
-    The forces are those on both sides of `boundary`, the belt 1 or 2. Panel (a) shows the path of a
+    The forces are those on both sides of `boundary`, the number of a belt. Panel (a) shows the path of a
     point of the belt at each of the `contacts`. The path goes beyond the contact by the fractions
     `belt_reach` of the width and the height of the axes. Panel (b) shows the `magnified` contacts
     in insets. `style` has properties of the curves as matplotlib names them.
@@ -109,7 +111,16 @@ class View:
     @property
     def domains(self) -> tuple[int, int]:
         """The domains below and above the boundary whose forces are drawn."""
-        return NEIGHBOURS[self.boundary]
+        law = self.trajectory.parameters.law
+        return geometry(len(law.belts)).neighbours[self.boundary]
+
+    @property
+    def hold(self) -> float:
+        """By how much the acceleration that the belt `boundary` can withstand exceeds that of its
+        kinetic friction.
+        """
+        p = self.trajectory.parameters
+        return float(p.law.excess(self.boundary) / p.m)
 
     @property
     def belts_move(self) -> bool:
@@ -127,7 +138,9 @@ class View:
         high = self.v.max()
         p = self.trajectory.parameters
         allowed = LONGER_AXIS * (high - low)
-        near_belts = [belt for belt in (1, 2) if low - allowed <= p.belt(belt) <= high + allowed]
+        near_belts = [
+            belt for belt in p.law.boundaries if low - allowed <= p.belt(belt) <= high + allowed
+        ]
         return sorted({*near_belts, self.boundary})
 
 
@@ -166,7 +179,7 @@ def view_of(
         elif events:
             boundary = events[0].boundary
         else:
-            boundary = min((1, 2), key=lambda belt: np.abs(v - float(p.belt(belt))).min())
+            boundary = min(p.law.boundaries, key=lambda belt: np.abs(v - float(p.belt(belt))).min())
     contacts = _sticks(trajectory)
     contacts += [
         Contact(float(event.t), float(event.t), event.boundary)
@@ -265,6 +278,8 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
             "linewidth": max(view.scale, 0.5),
         } | user_style
         ax.plot(getattr(view, across), force(domain, view.t), label=f"$F^{{({domain})}}$", **line)
+    if across == "t" and view.hold:
+        _hold_bands(ax, view)
     for domain in (below, above):
         _draw_marks(ax, view, marks, across, partial(force, domain))
     ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
@@ -295,19 +310,26 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
 def _product_panel(ax: Axes, view: View) -> None:
     """Draw the product of both forces at the boundary: > 0 where the mass would cross it, < 0 where
     it would stick.
+
+    With static friction E it is that of the forces that decide this.
     """
     force = view.trajectory.force
     (below, above) = view.domains
+    hold = view.hold
 
     def product(t: Any) -> Any:
-        return np.asarray(force(below, t)) * force(above, t)
+        return (np.asarray(force(below, t)) + hold) * (force(above, t) - hold)
 
     _shade_sticks(ax, view)
     ax.axhline(0, color="0.6", lw=0.6, zorder=0)
     style: Record = {"color": "black", "linewidth": max(view.scale, 0.5)} | view.style
     ax.plot(view.t, product(view.t), **style)
     _draw_marks(ax, view, _marks_of_forces(view), "t", product)
-    ax.set_ylabel(f"product $F^{{({below})}}\\, F^{{({above})}}$")
+    if hold:
+        factors = f"(F^{{({below})}} + E)\\, (F^{{({above})}} - E)"
+    else:
+        factors = f"F^{{({below})}}\\, F^{{({above})}}"
+    ax.set_ylabel(f"product ${factors}$")
     _horizontal_axis(ax, view, "t")
 
 
@@ -361,17 +383,19 @@ def _belt_speeds(ax: Axes, view: View) -> None:
     # Above the mass, but thinner: in a stick both are seen.
     p = view.trajectory.parameters
     low, high = ax.get_ylim()
-    names_touch = float(p.v2 - p.v1) < NAMES_TOUCH * (high - low)
-    for belt in view.belts():
-        speed = float(p.belt(belt))
+    belts = view.belts()
+    speeds = [float(p.belt(belt)) for belt in belts]
+    gap = min((upper - lower for lower, upper in pairwise(speeds)), default=inf)
+    names_touch = gap < NAMES_TOUCH * (high - low)
+    for belt, speed in zip(belts, speeds, strict=True):
         # In points, the lower name down and the upper one up.
         shift = 0
         if names_touch:
-            shift = {1: -5, 2: 5}[belt]
+            shift = {belts[0]: -5, belts[-1]: 5}[belt]
         if view.belts_move:
-            _, speeds = belt_path(view.trajectory, belt, view.t)
-            ax.plot(view.t, speeds, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
-            speed = float(speeds[-1])
+            _, path = belt_path(view.trajectory, belt, view.t)
+            ax.plot(view.t, path, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+            speed = float(path[-1])
         else:
             ax.axhline(speed, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
         ax.annotate(
@@ -398,6 +422,29 @@ def _shade_sticks(ax: Axes, view: View) -> None:
     for stick in _sticks(view.trajectory):
         if stick.belt == view.boundary:
             ax.axvspan(stick.since, stick.until, color="0.92", lw=0, zorder=-1)
+
+
+def _hold_bands(ax: Axes, view: View) -> None:
+    """Draw, over each stick, what static friction adds to the forces: the stick ends where the edge
+    of this band comes to 0.
+    """
+    (below, above) = view.domains
+    for stick in _sticks(view.trajectory):
+        held = view.t[(view.t >= stick.since) & (view.t <= stick.until)]
+        if stick.belt != view.boundary or len(held) < 2:
+            continue
+        for domain, side, color in ((below, 1, FORCE_BELOW), (above, -1, FORCE_ABOVE)):
+            kinetic = view.trajectory.force(domain, held)
+            ax.fill_between(
+                held,
+                kinetic,
+                kinetic + side * view.hold,
+                color=color,
+                alpha=0.18,
+                lw=0,
+                zorder=0.5,
+                label=HOLD_LABEL,
+            )
 
 
 def _draw_marks(

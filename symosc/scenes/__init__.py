@@ -31,7 +31,7 @@ from symosc.base.errors import ParameterError, SceneError, meant
 from symosc.base.exact import read_start_error, show
 from symosc.base.quantities import QUANTITIES, forcing_periods, half_unit, read_number, unit_of
 from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Belt, Model, Oscillator, Parameters
-from symosc.reductions import OtherModel, reduced_start, reduced_time
+from symosc.reductions import OtherModel, reduced_model, reduced_start, reduced_time
 from symosc.scenes.files import MOST_CHARACTERS, SceneFile, read_scene_file
 from symosc.words import WordError, read_word
 
@@ -158,12 +158,12 @@ class Scene(Drawable):
         if isinstance(model, OtherModel):
             original = Original(model, **numbers, start_error=error)
             object.__setattr__(self, "original", original)
-            object.__setattr__(self, "parameters", model.parameters)
+            object.__setattr__(self, "parameters", reduced_model(model))
             numbers, error = _reduced_problem(original)
         # A copy with other numbers, as `dataclasses.replace` makes, is no longer that of the model.
-        elif self.original and (model, numbers) != (
-            self.original.model.parameters,
-            _reduced_problem(self.original)[0],
+        elif self.original and not (
+            model in (self.original.model.parameters, self.original.model.oscillator)
+            and numbers == _reduced_problem(self.original)[0]
         ):
             object.__setattr__(self, "original", None)
         object.__setattr__(self, "start_error", error)
@@ -311,6 +311,10 @@ def parameters_of(what: ParametersLike, name: str = "p") -> Parameters:
     Return `Parameters` unchanged, and refuse what follows another friction law than these. Messages
     call the argument `name`.
     """
+    if isinstance(what, OtherModel):
+        return what.parameters
+    if isinstance(what, Scene) and what.original is not None:
+        return what.original.model.parameters
     return model_of(what, name).parameters
 
 
@@ -321,7 +325,9 @@ def model_of(what: ParametersLike, name: str = "p") -> Model:
     """
     if isinstance(what, Model):
         return what
-    if isinstance(what, Scene | OtherModel):
+    if isinstance(what, OtherModel):
+        return reduced_model(what)
+    if isinstance(what, Scene):
         return what.parameters
     require(Parameters, Oscillator, SCENE_OR_NAME, **{name: what})
     return load_scene(what).parameters
@@ -363,11 +369,22 @@ def end_time(end: Any, p: Model, t0: Any) -> Any:
     periods = forcing_periods("t_end", end)
     if periods is None:
         return end
-    if isinstance(p, Oscillator) and p.has_free_clock:
-        raise ParameterError(
-            "t_end", end, "periods of the drive require Omega, which this Oscillator lacks"
-        )
+    check_periods("t_end", end, p)
     return float(read_number("t0", t0)[0]) + float(periods) * (2 * pi / float(p.Omega))
+
+
+def passed(what: Any) -> str:
+    """Return what a caller passed in place of a scene, for the message that something is missing."""
+    names = {Parameters: "Parameters", Oscillator: "an Oscillator"}
+    return names.get(type(what), "an OtherModel")
+
+
+def check_periods(name: str, text: Any, p: Model) -> None:
+    """Raise ParameterError for a time in periods of the drive where there is no Omega."""
+    if not p.has_periods:
+        raise ParameterError(
+            name, text, "periods of the drive require Omega, which this Oscillator lacks"
+        )
 
 
 def from_rest(p: Model, t_end: NumberLike) -> Scene:

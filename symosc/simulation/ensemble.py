@@ -128,6 +128,7 @@ EXTREMES = {"x_min": kept.X_MIN, "x_max": kept.X_MAX, "v_min": kept.V_MIN, "v_ma
 KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
 #: Statuses of motions that were followed to their ends.
 FOLLOWED = ("t_end", "equilibrium")
+NO_SECTION = "sections in periods of the drive require Omega, which this Oscillator lacks"
 MODE_TEXTS = np.array(["", *(MODE_NAMES[code] for code in sorted(MODE_NAMES))])
 
 
@@ -559,13 +560,16 @@ class SummaryRequest:
             names = [record]
         else:
             names = list(record)
+        periodic = all(p.has_periods for p in problems.sets.given())
         if names == ["summary"]:
-            names = list(SUMMARY_COLUMNS)
+            names = [name for name in SUMMARY_COLUMNS if periodic or name != "section"]
         for name in names or ("",):
             if name not in SUMMARY_COLUMNS:
                 allowed = f'must be "events", "summary", or some of {", ".join(SUMMARY_COLUMNS)}'
                 raise ParameterError("record", name, allowed)
         self.names = tuple(name for name in SUMMARY_COLUMNS if name in names)
+        if "section" in names and not periodic:
+            raise ParameterError("record", "section", NO_SECTION)
         #: The labels of the mappings, by their numbers from 1.
         self.labels = tuple(geometry(len(problems.sets.boundaries)).maps)
         self.sections = whole_number("sections", sections, 0, MOST_SECTIONS)

@@ -37,7 +37,7 @@ from symosc.model import (
     least,
     model_from,
 )
-from symosc.scenes import START_NAMES
+from symosc.scenes import START_NAMES, check_periods
 
 START_COLUMNS = START_NAMES[:3]
 #: Names of columns that may be there, and of those that are left out where there is one belt.
@@ -317,6 +317,10 @@ class ParameterSets:
         """The numbers of the belts."""
         return range(1, belts_named(self.names) + 1)
 
+    def given(self) -> list[Model]:
+        """Return the sets that are known as objects: all, unless they were given as columns."""
+        return list(self._known.values())
+
     def __len__(self) -> int:
         return self.count
 
@@ -400,6 +404,8 @@ class Problems:
         )
         common_length(lengths)
         if (periods := forcing_periods("t_end", t_end)) is not None:
+            for p in self.sets.given():
+                check_periods("t_end", t_end, p)
             t_end = self.t0.hi + float(periods) * (2 * pi / self.sets.column("Omega").hi)
         self.t_end = NumberColumn("t_end", t_end)
         self.count = common_length(lengths | {"t_end": len(self.t_end)})

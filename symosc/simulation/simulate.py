@@ -55,7 +55,7 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import no_tally
-from symosc.model import Model, Oscillator, Parameters
+from symosc.model import Model
 from symosc.reductions import OtherModel
 from symosc.scenes import (
     Original,
@@ -64,6 +64,7 @@ from symosc.scenes import (
     model_of,
     moved_scene,
     not_reduced_error,
+    passed,
     problem_of,
 )
 from symosc.simulation.loops import CHOICE
@@ -206,8 +207,7 @@ def read_problem(
     """
     if not isinstance(scene, Scene):
         if arguments["t_end"] is None:
-            passed = {Parameters: "Parameters", Oscillator: "an Oscillator"}
-            subject = passed.get(type(scene), "an OtherModel")
+            subject = passed(scene)
             raise ParameterError("t_end", None, f"t_end is required when you pass {subject}")
         arguments = {name: 0 if value is None else value for name, value in arguments.items()}
         arguments["t_end"] = end_time(arguments["t_end"], model_of(scene), arguments["t0"])

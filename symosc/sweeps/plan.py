@@ -24,13 +24,20 @@ from symosc.base.aliases import Record, SceneName
 from symosc.base.errors import ParameterError, SweepError, meant
 from symosc.base.exact import LARGEST, read_exact, scalar_of, show, unmasked, whole_number
 from symosc.base.quantities import forcing_periods, read_number
-from symosc.model import PARAMETER_NAMES, Parameters, by_name
-from symosc.scenes import STARTS, Scene, from_rest, not_reduced_error, scene_of
-from symosc.simulation.ensemble import simulate_many
+from symosc.model import PARAMETER_NAMES, STATIC_NAMES, Model, Parameters
+from symosc.scenes import (
+    STARTS,
+    Scene,
+    check_periods,
+    from_rest,
+    not_reduced_error,
+    passed,
+    scene_of,
+)
+from symosc.simulation.ensemble import NO_SECTION, simulate_many
 from symosc.simulation.problems import named
 from symosc.simulation.tables import SUMMARY_COLUMNS
 
-SWEPT_NAMES = (*PARAMETER_NAMES, *STARTS)
 MOST_AXES = 3
 #: The dimension of a table's rows, and of several starts.
 SET_AXIS = "set"
@@ -163,8 +170,10 @@ class SweepPlan:
         """Return the arguments of `simulate_many` that compute the cells from `begin` up to `end`."""
         swept = self.cells(begin, end)
         p: Record = {
-            name: swept.get(name, value) for name, value in by_name(self.scene.parameters).items()
+            name: swept.get(name, value)
+            for name, value in self.scene.parameters.given_numbers().items()
         }
+        p |= {name: swept[name] for name in STATIC_NAMES if name in swept}
         starts = {name: swept.get(name, getattr(self.scene, name)) for name in STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
         t_end = self.t_end.times(period)
@@ -216,7 +225,7 @@ def kernels_hash() -> str:
 
 
 def read_plan(
-    scene: Scene | Parameters | SceneName,
+    scene: Scene | Model | SceneName,
     over: Any,
     record: Any,
     t_end: Any,
@@ -224,10 +233,12 @@ def read_plan(
     starts: Any = None,
 ) -> SweepPlan:
     """Check the arguments of `sweep` and return them as a plan."""
-    problem = scene_of(scene, "scene")
-    if isinstance(problem, Parameters):
+    problem = scene_of(scene, "scene", any_law=True)
+    if isinstance(problem, Model):
         if t_end is None:
-            raise ParameterError("t_end", None, "t_end is required when you pass Parameters")
+            raise ParameterError(
+                "t_end", None, f"t_end is required when you pass {passed(problem)}"
+            )
         # A scene needs an end. The plan's own `t_end`, read below, takes its place, so that the
         # latest possible one refuses no start.
         problem = from_rest(problem, LARGEST)
@@ -246,7 +257,13 @@ def read_plan(
         end = Duration(problem.t_end)
     else:
         end = read_duration("t_end", t_end)
-    plan = SweepPlan(problem, coordinates, columns, sections, end, read_duration("skip", skip))
+    left_out = read_duration("skip", skip)
+    for name, duration in (("t_end", end), ("skip", left_out)):
+        if duration.periods:
+            check_periods(name, str(duration), problem.parameters)
+    if sections and not problem.parameters.has_periods:
+        raise ParameterError("record", "section", NO_SECTION)
+    plan = SweepPlan(problem, coordinates, columns, sections, end, left_out)
     _check_times(plan)
     return plan
 
@@ -256,9 +273,10 @@ def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) 
 
     `starts`, rows t0, x0, v0, add a dimension.
     """
-    table = _table_columns(over)
+    known = swept_names(scene.parameters)
+    table = _table_columns(over, known)
     if table is None:
-        coordinates = _axes(over)
+        coordinates = _axes(over, known)
     else:
         coordinates = {name: Coordinate(SET_AXIS, values) for name, values in table.items()}
     if starts is not None:
@@ -279,25 +297,32 @@ def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) 
     return coordinates
 
 
-def _axes(over: Any) -> Coordinates:
-    """Check the swept axes and return them by name."""
+def swept_names(p: Model) -> tuple[str, ...]:
+    """Return the names of the numbers that may be swept."""
+    if isinstance(p, Parameters):
+        return (*PARAMETER_NAMES, *STATIC_NAMES, *STARTS)
+    return (*p.numbers(), *STARTS)
+
+
+def _axes(over: Any, known: tuple[str, ...]) -> Coordinates:
+    """Check the swept axes, with names out of those that are `known`, and return them by name."""
     if not isinstance(over, Mapping):
         raise ParameterError("over", over, OVER_FORM)
     if not 1 <= len(over) <= MOST_AXES:
         raise ParameterError("over", list(over), f"must have one to {MOST_AXES} axes")
     return {
-        _known_name(name): Coordinate(
+        _known_name(name, known): Coordinate(
             name, read_axis(name, values), values if isinstance(values, str) else ""
         )
         for name, values in over.items()
     }
 
 
-def _known_name(name: Any) -> str:
-    """Return the name of a swept number; ParameterError if it cannot be swept."""
-    if name not in SWEPT_NAMES:
-        known = f"unknown number; choose from {', '.join(SWEPT_NAMES)}"
-        raise ParameterError("over", name, known + meant(name, SWEPT_NAMES))
+def _known_name(name: Any, known: tuple[str, ...]) -> str:
+    """Return the name of a swept number; ParameterError if it is not one of those `known`."""
+    if name not in known:
+        allowed = f"unknown number; choose from {', '.join(known)}"
+        raise ParameterError("over", name, allowed + meant(name, known))
     return str(name)
 
 
@@ -372,8 +397,10 @@ def _numbers(name: str, values: Any) -> np.ndarray:
     return array.astype(float) + 0.0
 
 
-def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
-    """Return the columns of a table, or None if `over` is no table."""
+def _table_columns(over: Any, known: tuple[str, ...]) -> dict[str, np.ndarray] | None:
+    """Return the columns of a table, with names out of those that are `known`, or None if `over` is
+    no table.
+    """
     if hasattr(over, "columns") and hasattr(over, "to_numpy"):
         rows: dict[Any, Any] = {name: over[name].to_numpy() for name in over.columns}
     elif isinstance(over, (list, tuple)) and over and all(isinstance(row, Mapping) for row in over):
@@ -382,7 +409,7 @@ def _table_columns(over: Any) -> dict[str, np.ndarray] | None:
         rows = {name: [row[name] for row in over] for name in over[0]}
     else:
         return None
-    columns = {_known_name(name): _numbers(name, values) for name, values in rows.items()}
+    columns = {_known_name(name, known): _numbers(name, values) for name, values in rows.items()}
     if not columns or not len(next(iter(columns.values()))):
         raise ParameterError("over", "a table", "must have a column and a row")
     return columns
@@ -418,30 +445,38 @@ def _start_rows(starts: Any) -> np.ndarray:
 
 
 def _check_values(scene: Scene, coordinates: Coordinates) -> None:
-    """Check that `Parameters` accepts the extreme swept values: then it accepts all values between
+    """Check that the model accepts the extreme swept values: then it accepts all values between
     them.
 
-    The belts' speeds are checked last and together, because v1 must be less than v2: in a table
-    row by row, on axes with the largest v1 and the least v2.
+    Two numbers of which one bounds the other (v1 < v2, mu1 <= mu_s1) are checked last and together:
+    in a table row by row, on axes with the largest of the lower one and the least of the other.
     """
+    model = scene.parameters
     swept = {
-        name: coordinate.values
-        for name, coordinate in coordinates.items()
-        if name in PARAMETER_NAMES
+        name: coordinate.values for name, coordinate in coordinates.items() if name not in STARTS
     }
-    belts = {name: swept.pop(name) for name in ("v1", "v2") if name in swept}
+    if isinstance(model, Parameters) and not swept.keys().isdisjoint(STATIC_NAMES):
+        model = model.oscillator
+    bounded = [(f"mu{n}", f"mu_s{n}") for n in model.boundaries] + [("v1", "v2")]
     for name, values in swept.items():
-        for value in (values.min(), values.max()):
-            scene.parameters.replace(**{name: float(value)})
-    if len(belts) == 2 and coordinates["v1"].dimension == SET_AXIS:
-        closest = int(np.argmin(belts["v2"] - belts["v1"]))
-        scene.parameters.replace(v1=float(belts["v1"][closest]), v2=float(belts["v2"][closest]))
-    elif belts:
-        closest_speeds = {
-            name: float(values.max() if name == "v1" else values.min())
-            for name, values in belts.items()
-        }
-        scene.parameters.replace(**closest_speeds)
+        if not any(name in pair for pair in bounded):
+            for value in (values.min(), values.max()):
+                model.replace(**{name: float(value)})
+    for lower, upper in bounded:
+        both = lower in swept and upper in swept
+        if both and coordinates[lower].dimension == SET_AXIS:
+            closest = int(np.argmin(swept[upper] - swept[lower]))
+            tried = [{name: swept[name][closest] for name in (lower, upper)}]
+        else:
+            extremes = {
+                name: (swept[name].min(), swept[name].max())
+                for name in (lower, upper)
+                if name in swept
+            }
+            tried = [{name: ends[name == lower] for name, ends in extremes.items()}]
+            tried.append({name: ends[name == upper] for name, ends in extremes.items()})
+        for values in tried:
+            model.replace(**{name: float(value) for name, value in values.items()})
 
 
 def read_duration(name: str, duration: Any) -> Duration:

@@ -36,7 +36,7 @@ from symosc.base.arguments import (
 from symosc.base.display.progress import reporting
 from symosc.base.errors import ParameterError, SweepError, SymoscError, optional
 from symosc.base.exact import whole_number
-from symosc.model import Parameters
+from symosc.model import Model
 from symosc.scenes import Scene
 from symosc.sweeps import output
 from symosc.sweeps.output import need_xarray
@@ -65,7 +65,7 @@ GRID_LIKE = (mapping_of(*ARRAY_LIKE), sequence_of(mapping_of(NUMBER)), DATA_FRAM
 
 @public
 def sweep(
-    scene: Scene | Parameters | SceneName,
+    scene: Scene | Model | SceneName,
     over: Mapping[str, ArrayLike] | Sequence[Mapping[str, NumberLike]] | DataFrame,
     *,
     record: str | Sequence[str] = ("word",),
@@ -86,11 +86,12 @@ def sweep(
 
     Parameters
     ----------
-    scene : Scene, or its name or path; or Parameters, from rest unless `over` or `starts` say otherwise
+    scene : Scene, or its name or path; or Parameters or Oscillator
+        Parameters start from rest unless `over` or `starts` say otherwise.
     over : mapping, DataFrame or sequence of mappings
-        One to three axes: parameters, t0, x0 or v0 with their values, numbers or text
-        ``"LO:HI:N"``; or a table, a row for each set. Values are taken as doubles, each read as the
-        decimal that it prints as.
+        One to three axes: parameters (also mu_s1, mu_s2: static coefficients), t0, x0 or v0 with
+        their values, numbers or text ``"LO:HI:N"``; or a table, a row for each set. Values are
+        taken as doubles, each read as the decimal that it prints as.
     record : str or sequence of str
         Columns of a summary (see `simulate_many`); ``"section:64"`` for 64 points. The status is
         always there.
@@ -351,7 +352,7 @@ class SweepStatus(NamedTuple):
 
 @public
 def sweep_status(
-    scene: Scene | Parameters | SceneName,
+    scene: Scene | Model | SceneName,
     over: Mapping[str, ArrayLike] | Sequence[Mapping[str, NumberLike]] | DataFrame,
     *,
     record: str | Sequence[str] = ("word",),
