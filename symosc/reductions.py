@@ -131,8 +131,8 @@ class OtherModel:
 
     m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with
     the base y = Y cos(Omega t + Y_phase), and belts with the speeds v1 + w' and v2 + w'. Functions
-    that take Parameters take such a model too and work on the oscillator that it is; `simulate` and `frequency_response` give their results in the coordinates of the
-    model.
+    that take Parameters take such a model too and work on the oscillator that it is; `simulate` and
+    `frequency_response` give their results in the coordinates of the model.
 
     Parameters
     ----------

@@ -32,12 +32,12 @@ from symosc.base.exact import read_digits, read_start_error
 from symosc.certificates.atlas import Atlas
 from symosc.certificates.certificate import Certificate, confirmed
 from symosc.grazing.window import GrazingWindow
-from symosc.model import Parameters
+from symosc.model import Model, Oscillator, Parameters
 from symosc.orbits.branch import Branch
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.scenes import Scene, from_rest, load_scene
+from symosc.scenes import Scene, from_rest, passed, scene_of
 from symosc.simulation.tangents import read_wrt
 
 #: Omega t from which on a motion is first tried to be proven by the orbit on which it settles.
@@ -46,7 +46,7 @@ LONG_MOTION = 6000
 
 @public
 def certify(
-    what: Scene | Parameters | SceneName | PeriodicOrbit | Branch | GrazingWindow | Atlas,
+    what: Scene | Model | SceneName | PeriodicOrbit | Branch | GrazingWindow | Atlas,
     *,
     t_end: NumberLike | None = None,
     start_error: StartError | None = None,
@@ -110,17 +110,19 @@ def certify(
     >>> dt[0][0][:12]
     '-0.148289299'
     """
-    require(Scene, Parameters, SCENE_NAME, PeriodicOrbit, Branch, GrazingWindow, Atlas, what=what)
+    of_orbits = (PeriodicOrbit, Branch, GrazingWindow, Atlas)
+    require(Scene, Parameters, Oscillator, SCENE_NAME, *of_orbits, what=what)
     require_or_none(NUMBER, t_end=t_end)
     require_or_none(*START_ERROR, start_error=start_error)
     require_or_none(WHOLE, digits=digits)
     require_or_none(*NAMES, wrt=wrt)
     require_or_none(function_of(1), FLAG, progress=progress)
-    if isinstance(what, str | Path):
-        what = load_scene(what)
+    given = passed(what)
+    if isinstance(what, Scene | Model | str | Path):
+        what = scene_of(what, "what")
     if isinstance(what, Parameters):
         if t_end is None:
-            raise ParameterError("t_end", None, "t_end is required when you pass Parameters")
+            raise ParameterError("t_end", None, f"t_end is required when you pass {given}")
         what = from_rest(what, t_end)
     import symosc.certificates.balls  # noqa: F401  says so if python-flint is not installed
 

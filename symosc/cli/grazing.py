@@ -110,13 +110,21 @@ def grazing(
     if in_letters:
         name = None
         p = None
+        boundaries = range(1, 3)
     else:
-        name, p = _parameters(scene, settings)
+        name, p, boundaries = _parameters(scene, settings)
     chosen = list(dict.fromkeys(mappings))
     for mapping in chosen:
-        place(mapping)  # ParameterError for a map that cannot graze
+        boundary = place(mapping).boundary  # ParameterError for a map that cannot graze
+        options.refuse(
+            (
+                boundary not in boundaries,
+                f"{mapping} is at belt {boundary}, and the scene has one belt",
+            )
+        )
+    at_belts = [mapping for mapping in PLACES if place(mapping).boundary in boundaries]
     if solve is not None:
-        answers = _solve(p, chosen, solve, phase, order, plot)
+        answers = _solve(p, chosen, at_belts, solve, phase, order, plot)
         if p is None:
             parameters = None
         else:
@@ -130,12 +138,12 @@ def grazing(
         output.report(lambda: data, lambda: output.write("\n".join(texts)))
         return 0
     assert p is not None
-    windows = [symosc.grazing_window(p, mapping, order) for mapping in chosen or PLACES]
+    windows = [symosc.grazing_window(p, mapping, order) for mapping in chosen or at_belts]
     reports = []
     if phases is not None:
         reports = [
             symosc.check_grazing(p, mapping, n=phases, progress=True)
-            for mapping in chosen or PLACES
+            for mapping in chosen or at_belts
         ]
     output.draw(plot, _draw_windows, windows, against)
     data = {"scene": name, "parameters": p.as_dict(), "order": order}
@@ -174,18 +182,19 @@ def _print_windows(windows: list[symosc.GrazingWindow], reports: list[Any], late
         output.write("\n" + report.summary())
 
 
-def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters]:
+def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters, range]:
     """Return the scene's name and parameters, or None and the parameters that were all given by
-    --set.
+    --set; and the numbers of the belts.
     """
     changes = options.read_parameters(settings)
-    problem = options.reduced_scene(load_scene(scene or "fig5").changed(**changes))
+    given = load_scene(scene or "fig5").changed(**changes)
+    problem = options.reduced_scene(given)
     missing = [name for name in PARAMETER_NAMES if name not in changes and scene is None]
     if missing:
         raise click.UsageError(
             f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}"
         )
-    return None if scene is None else problem.name, problem.parameters
+    return None if scene is None else problem.name, problem.parameters, given.parameters.boundaries
 
 
 def _window_data(window: symosc.GrazingWindow) -> Record:
@@ -231,7 +240,13 @@ def _draw_windows(windows: list[symosc.GrazingWindow], against: Text) -> Any:
 
 
 def _solve(
-    p: Parameters | None, mappings: list[str], names: str, phases: Text, order: Order, plot: Text
+    p: Parameters | None,
+    mappings: list[str],
+    at_belts: list[str],
+    names: str,
+    phases: Text,
+    order: Order,
+    plot: Text,
 ) -> list[Any]:
     """Return for which values of the parameters `names` each mapping's window contains a phase, or
     all in an interval.
@@ -239,7 +254,7 @@ def _solve(
     `names` is NAME or NAME,NAME, and `phases` is PHASE or LOW:HIGH; without `phases` two questions
     are answered: for which values is the window empty, and for which is it all phases? The answers
     are formulas if `p` is None. If `plot` names a file, the region of two parameters is drawn.
-    `order` is that of `symosc.grazing_window`.
+    `order` is that of `symosc.grazing_window`. Without `mappings` they are those `at_belts`.
     """
     parameter_names = tuple(name.strip() for name in names.split(","))
     if not all(parameter_names) or len(parameter_names) > 2:
@@ -263,8 +278,8 @@ def _solve(
         # Those whose belt's speed is asked for; if both speeds are, the answers say what is wrong.
         speeds = {name for name in parameter_names if name in ("v1", "v2")}
         mappings = [
-            mapping for mapping in PLACES if speeds <= {f"v{place(mapping).boundary}"}
-        ] or list(PLACES)
+            mapping for mapping in at_belts if speeds <= {f"v{place(mapping).boundary}"}
+        ] or at_belts
     if len(parameter_names) == 2:
         question: Any = parameter_names
     else:

@@ -17,7 +17,7 @@ from symosc.base.quantities import read_number
 from symosc.cli.output import claim_stdout, note
 from symosc.kernels.theorem7_cases import PLACES
 from symosc.model import PARAMETER_NAMES
-from symosc.scenes import START_NAMES, Scene, load_scene, scene_names
+from symosc.scenes import START_NAMES, Scene, load_scene, scene_names, scene_of
 
 #: The text of an option; None if it is not given.
 Text: TypeAlias = str | None
@@ -258,14 +258,16 @@ def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
 
 
 def reduced_scene(scene: Scene) -> Scene:
-    """Return a scene in the coordinates of symosc's model; for one of another model, print a note."""
+    """Return a scene with `Parameters`, in the coordinates of symosc's model; for one of another
+    model, print a note.
+    """
     if scene.original is not None:
         drive = scene.parameters.as_dict()["B0"]
         note(
             f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = "
             f"{drive}"
         )
-    return scene.reduced()
+    return scene_of(scene, "scene").reduced()  # type: ignore[union-attr]
 
 
 def read_duration(name: str, text: str) -> Any:

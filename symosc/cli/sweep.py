@@ -11,7 +11,7 @@ import symosc
 from symosc.base.aliases import Record
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, flag, option
-from symosc.model import PARAMETER_NAMES, STATIC_NAMES
+from symosc.model import PARAMETER_NAMES
 from symosc.scenes import START_NAMES
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ MOST_VALUES = 8
 AXES: Record = {
     "multiple": True,
     "shell_complete": options.complete(
-        lambda: (*PARAMETER_NAMES, *STATIC_NAMES, *START_NAMES[:3]), "="
+        lambda: (*PARAMETER_NAMES, "mu_s1", "mu_s2", *START_NAMES[:3]), "="
     ),
 }
 COLUMNS: Record = {

@@ -24,7 +24,7 @@ from symosc.base.aliases import Record, SceneName
 from symosc.base.errors import ParameterError, SweepError, meant
 from symosc.base.exact import LARGEST, read_exact, scalar_of, show, unmasked, whole_number
 from symosc.base.quantities import forcing_periods, read_number
-from symosc.model import PARAMETER_NAMES, STATIC_NAMES, Model, Parameters
+from symosc.model import PARAMETER_NAMES, Model, Parameters
 from symosc.scenes import (
     STARTS,
     Scene,
@@ -35,7 +35,7 @@ from symosc.scenes import (
     scene_of,
 )
 from symosc.simulation.ensemble import NO_SECTION, simulate_many
-from symosc.simulation.problems import named
+from symosc.simulation.problems import STATIC_NAMES, named
 from symosc.simulation.tables import SUMMARY_COLUMNS
 
 MOST_AXES = 3
