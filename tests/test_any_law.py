@@ -11,7 +11,7 @@ import pytest
 from cli_runs import run
 
 import symosc
-from symosc import Belt, Oscillator, ParameterError, Scene, Trajectory, load_scene, plot
+from symosc import Belt, Oscillator, ParameterError, Scene, load_scene, plot
 from symosc.scenes import as_toml
 
 FIG9 = load_scene("fig9").parameters

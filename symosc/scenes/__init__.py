@@ -344,7 +344,7 @@ def scene_of(
     if not isinstance(what, Scene | Model):
         require(Scene, Parameters, Oscillator, SCENE_NAME, **{name: what})
         what = load_scene(what)
-    if any_law or isinstance(what, Scene) and isinstance(what.parameters, Parameters):
+    if any_law or (isinstance(what, Scene) and isinstance(what.parameters, Parameters)):
         return what  # type: ignore[return-value]
     if isinstance(what, Scene):
         return replace(what, parameters=parameters_of(what))
