@@ -84,6 +84,10 @@ class Model:
         """The oscillator as the paper's, with two belts; ParameterError if it is another one."""
         raise NotImplementedError
 
+    def replace(self, **changes: Any) -> Model:
+        """Return a copy with some parameters changed, for example ``p.replace(c="0.3")``."""
+        raise NotImplementedError
+
     def as_dict(self) -> dict[str, str]:
         """Return the parameters as text that reads back exactly."""
         return {name: show(value) for name, value in self.numbers().items()}

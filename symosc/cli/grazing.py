@@ -194,7 +194,11 @@ def _parameters(scene: Text, settings: Settings) -> tuple[Text, Parameters, rang
         raise click.UsageError(
             f"give a SCENE, or every parameter by --set; missing: {', '.join(missing)}"
         )
-    return None if scene is None else problem.name, problem.parameters, given.parameters.boundaries
+    return (
+        None if scene is None else problem.name,
+        problem.parameters,
+        given.parameters.law.boundaries,
+    )
 
 
 def _window_data(window: symosc.GrazingWindow) -> Record:

@@ -126,7 +126,7 @@ class Scene(Drawable):
     _made_by = "load_scene(...)"
 
     name: str
-    parameters: Parameters
+    parameters: Parameters  # or an Oscillator, which most scenes are not
     t0: Fraction
     x0: Fraction
     v0: Fraction

@@ -28,7 +28,7 @@ from symosc.base.errors import MissingExtraError, OutputError, SweepError, optio
 from symosc.base.exact import show
 from symosc.base.files import STDOUT, read_path
 from symosc.base.quantities import QUANTITIES
-from symosc.model import Parameters
+from symosc.model import Model, Parameters
 from symosc.scenes import START_NAMES, STARTS
 from symosc.simulation.tables import SUMMARY_COLUMNS
 from symosc.sweeps.plan import SET_AXIS, START_AXIS, SweepPlan
@@ -155,11 +155,12 @@ def _call_text(plan: SweepPlan) -> str:
     if START_AXIS in plan.sizes:
         rows = np.stack([plan.coordinates[name].values for name in STARTS], axis=-1).tolist()
         options.append(f"starts={rows!r}")
-    if isinstance(scene.parameters, Parameters):
-        numbers = scene.parameters.as_dict().items()
+    p: Model = scene.parameters
+    if isinstance(p, Parameters):
+        numbers = p.as_dict().items()
         parameters = f"Parameters({', '.join(f'{name}={text!r}' for name, text in numbers)})"
     else:
-        parameters = repr(scene.parameters)
+        parameters = repr(p)
     start = ", ".join(f"{name}={show(getattr(scene, name))!r}" for name in START_NAMES)
     if scene.start_error is not None:
         start += f", start_error={[show(error) for error in scene.start_error]!r}"

@@ -35,7 +35,7 @@ from symosc.scenes import (
     scene_of,
 )
 from symosc.simulation.ensemble import NO_SECTION, simulate_many
-from symosc.simulation.problems import STATIC_NAMES, named
+from symosc.simulation.problems import OPTIONAL_NAMES, named
 from symosc.simulation.tables import SUMMARY_COLUMNS
 
 MOST_AXES = 3
@@ -173,7 +173,7 @@ class SweepPlan:
             name: swept.get(name, value)
             for name, value in self.scene.parameters.given_numbers().items()
         }
-        p |= {name: swept[name] for name in STATIC_NAMES if name in swept}
+        p |= {name: swept[name] for name in OPTIONAL_NAMES if name in swept}
         starts = {name: swept.get(name, getattr(self.scene, name)) for name in STARTS}
         period = 2 * math.pi / np.asarray(p["Omega"], dtype=float)
         t_end = self.t_end.times(period)
@@ -300,7 +300,7 @@ def read_coordinates(scene: Scene, over: Any, starts: np.ndarray | None = None) 
 def swept_names(p: Model) -> tuple[str, ...]:
     """Return the names of the numbers that may be swept."""
     if isinstance(p, Parameters):
-        return (*PARAMETER_NAMES, *STATIC_NAMES, *STARTS)
+        return (*PARAMETER_NAMES, *OPTIONAL_NAMES, *STARTS)
     return (*p.numbers(), *STARTS)
 
 
@@ -451,13 +451,13 @@ def _check_values(scene: Scene, coordinates: Coordinates) -> None:
     Two numbers of which one bounds the other (v1 < v2, mu1 <= mu_s1) are checked last and together:
     in a table row by row, on axes with the largest of the lower one and the least of the other.
     """
-    model = scene.parameters
+    model: Model = scene.parameters
     swept = {
         name: coordinate.values for name, coordinate in coordinates.items() if name not in STARTS
     }
-    if isinstance(model, Parameters) and not swept.keys().isdisjoint(STATIC_NAMES):
+    if isinstance(model, Parameters) and not swept.keys().isdisjoint(OPTIONAL_NAMES):
         model = model.oscillator
-    bounded = [(f"mu{n}", f"mu_s{n}") for n in model.boundaries] + [("v1", "v2")]
+    bounded = [(f"mu{n}", f"mu_s{n}") for n in model.law.boundaries] + [("v1", "v2")]
     for name, values in swept.items():
         if not any(name in pair for pair in bounded):
             for value in (values.min(), values.max()):
@@ -475,8 +475,8 @@ def _check_values(scene: Scene, coordinates: Coordinates) -> None:
             }
             tried = [{name: ends[name == lower] for name, ends in extremes.items()}]
             tried.append({name: ends[name == upper] for name, ends in extremes.items()})
-        for values in tried:
-            model.replace(**{name: float(value) for name, value in values.items()})
+        for changes in tried:
+            model.replace(**{name: float(value) for name, value in changes.items()})
 
 
 def read_duration(name: str, duration: Any) -> Duration:
