@@ -592,12 +592,13 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         own: Scene | Original = scene
     else:
         own = scene.original
-    parameters: dict[str, Any] = scene.parameters.as_dict()
+    p: Model = scene.parameters
+    parameters: dict[str, Any] = p.as_dict()
     belts = list[str]()
-    if isinstance(scene.parameters, Oscillator):
+    if isinstance(p, Oscillator) and scene.original is None:
         parameters = {n: text for n, text in parameters.items() if n in OSCILLATOR_NAMES}
         belts += [BELTS_COMMENT] if explained else []
-        for belt in scene.parameters.belts:
+        for belt in p.belts:
             shown = ("v", "mu", "mu_s") if belt.has_static else ("v", "mu")
             belts += ["[[belts]]", *(line(name, show(getattr(belt, name))) for name in shown), ""]
     lines += [line("t_end", show(own.t_end)), ""]

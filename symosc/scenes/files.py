@@ -5,7 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from decimal import Decimal
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, SceneError, SymoscError, brief, meant
@@ -14,8 +14,10 @@ from symosc.base.quantities import forcing_periods, read_number
 from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES
 from symosc.reductions import MODEL_NAMES
 
-#: Keys of a scene file: table, those that are needed, and those that may be there.
-TABLES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+#: The keys of a table that are needed, and those that may be there.
+Keys: TypeAlias = tuple[tuple[str, ...], tuple[str, ...]]
+#: The tables of a scene file.
+TABLES: dict[str, Keys] = {
     "": (("start", "t_end", "parameters"), ("name", "structure", "source", "reference")),
     "parameters": (PARAMETER_NAMES, ()),
     "start": (("t0", "x0", "v0"), ("start_error",)),
@@ -37,7 +39,8 @@ BELTS_TABLES = TABLES | {
         tuple(name for name in OSCILLATOR_NAMES if name not in BELTS_NEEDED),
     ),
 }
-BELT_KEYS = (("v", "mu"), ("mu_s", "curve", "slope"))
+BELT_KEYS: Keys = (("v", "mu"), ("mu_s", "curve", "slope"))
+CURVE_KEYS: Keys = (("v",), ("mu", "mu_s", "curve", "slope"))
 #: Names of belts' numbers in [parameters], which exclude tables [[belts]].
 OF_NUMBERED_BELTS = tuple(name for name in PARAMETER_NAMES if name not in OSCILLATOR_NAMES)
 #: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes
@@ -62,7 +65,7 @@ class SceneFile(NamedTuple):
     notes: list[str]
 
     @property
-    def tables(self) -> dict[str, tuple[tuple[str, ...], tuple[str, ...]]]:
+    def tables(self) -> dict[str, Keys]:
         """The tables that such a file may have, by name: their required keys, and their optional
         ones.
         """
@@ -198,11 +201,11 @@ def _check_belts(file: SceneFile) -> None:
                     f"each other: give it as {name[:-1]} in a table [[belts]], or leave these out",
                 )
     for n, belt in enumerate(belts):
-        required, optional = BELT_KEYS
         if "curve" in belt:  # which `Belt` refuses
-            required = ("v",)
-            optional = ("mu", *optional)
-        _check_table(file, belt, (required, optional), ("belts", n))
+            keys = CURVE_KEYS
+        else:
+            keys = BELT_KEYS
+        _check_table(file, belt, keys, ("belts", n))
 
 
 def _check_keys(file: SceneFile, name: str) -> None:
@@ -219,7 +222,7 @@ def _check_keys(file: SceneFile, name: str) -> None:
 def _check_table(
     file: SceneFile,
     table: Record,
-    keys: tuple[tuple[str, ...], tuple[str, ...]],
+    keys: Keys,
     path: tuple[str | int, ...],
 ) -> None:
     """Raise SceneError unless the table at `path` has these required and optional keys."""
