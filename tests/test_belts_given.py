@@ -1,0 +1,243 @@
+"""Belts as users give them: plausible mistakes, each answered by one sentence, and scene files."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import symosc
+from symosc import Belt, Oscillator, ParameterError, Scene, SceneError, load_scene
+from symosc.scenes import as_toml, load_template, read_scene, template_names
+
+FREE: Any = {"m": 1, "c": 0, "k": 1}
+PULLED = Oscillator(**FREE, belts=[Belt("1/5", mu="1/2", mu_s=1)])
+FIG9 = load_scene("fig9").parameters
+
+MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
+    "negative mu": (lambda: Belt(1, mu=-1), "mu", ">= 0"),
+    "negative mu_s": (lambda: Belt(1, mu=0, mu_s=-1), "mu_s", ">= 0"),
+    "mu_s below mu": (lambda: Belt(1, mu=1, mu_s="1/2"), "mu_s", "at least mu = 1"),
+    "no mu": (lambda: Belt(1), "mu", "required"),
+    "mu_s alone": (lambda: Belt(1, mu_s=1), "mu", "required"),
+    "mu and curve": (lambda: Belt(1, mu=1, curve=[(0, 1)]), "curve", "omitted"),
+    "a curve": (lambda: Belt(1, curve=[(0, 1)]), "curve", "cannot be solved yet"),
+    "a slope": (lambda: Belt(1, mu=1, slope=1), "slope", "cannot be solved yet"),
+    "a speed in words": (lambda: Belt("fast", mu=1), "v", "give a number"),
+    "nan": (lambda: Belt(float("nan"), mu=1), "v", "finite"),
+    "an endless mu_s": (lambda: Belt(1, mu=1, mu_s=float("inf")), "mu_s", "finite"),
+    "a list of speeds": (lambda: Belt([1, 2], mu=1), "v", "must be"),  # type: ignore[arg-type]
+    "equal speeds": (
+        lambda: Oscillator(**FREE, belts=[Belt(1, mu=1), Belt("2/2", mu=2)]),
+        "belts",
+        "belts 1 and 2 both have the speed 1",
+    ),
+    "no belts": (lambda: Oscillator(**FREE, belts=[]), "belts", "at least one Belt"),
+    "belts are a number": (lambda: Oscillator(**FREE, belts=3), "belts", "Belt"),  # type: ignore[arg-type]
+    "a dict for a belt": (
+        lambda: Oscillator(**FREE, belts=[{"v": 1, "mu": 1}]),  # type: ignore[list-item]
+        "belts",
+        "Belt",
+    ),
+    "no Omega with a drive": (
+        lambda: Oscillator(**FREE, B0=1, belts=[Belt(1, mu=1)]),
+        "Omega",
+        "required unless B0 = 0",
+    ),
+    "a drive for what has no Omega": (lambda: PULLED.replace(B0=1), "Omega", "required"),
+    "no mass": (lambda: PULLED.replace(m=0), "m", "> 0"),
+    "the second belt of one": (lambda: PULLED.replace(mu_s2=1), "mu_s2", "did you mean mu_s1?"),
+    "belt 0": (lambda: PULLED.replace(mu_s0=1), "mu_s0", "unknown"),
+    "mu above mu_s": (lambda: PULLED.replace(mu1=2), "mu_s1", "at least mu = 2"),
+    "a changed belt in words": (lambda: PULLED.replace(v1="fast"), "v1", "give a number"),
+    "belts replaced by a number": (lambda: PULLED.replace(belts=3), "belts", "Belt"),
+    "belts that pass each other": (
+        lambda: FIG9.oscillator.replace(v1=99),
+        "v1",
+        f"less than v2 = {FIG9.v2}",
+    ),
+    "columns that pass each other": (
+        lambda: symosc.simulate_many({**FIG9.numbers(), "mu_s1": 2, "v1": 99}, [0, 0, 0], 5),
+        "v1",
+        "less than v2",
+    ),
+    "an unknown number of a belt": (lambda: Belt(1, mu=1).replace(speed=2), "speed", "unknown"),
+    "a unit of another kind": (lambda: Belt("2 kg", mu=1), "v", "m/s"),
+    "periods without Omega": (
+        lambda: symosc.simulate(PULLED, t_end="10T"),
+        "t_end",
+        "require Omega",
+    ),
+    "many periods without Omega": (
+        lambda: symosc.simulate_many(PULLED, [0, 0, 0], "10T"),
+        "t_end",
+        "require Omega",
+    ),
+    "sections without Omega": (
+        lambda: symosc.simulate_many(PULLED, [0, 0, 0], 9, record="section"),
+        "record",
+        "require Omega",
+    ),
+    "a figure's periods without Omega": (
+        lambda: symosc.plot.figure(symosc.simulate(PULLED, t_end=9), skip="1T"),
+        "t_end",
+        "require Omega",
+    ),
+    "no end": (lambda: symosc.simulate(PULLED), "t_end", "you pass an Oscillator"),
+    "the force above two domains": (lambda: PULLED.A(3), "alpha", "from 1 to 2"),
+    "static friction of Parameters": (lambda: FIG9.replace(mu_s1=1), "mu_s1", "unknown"),  # type: ignore[call-arg]
+}
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_mistake_with_belts_is_answered_by_one_sentence(mistake: str) -> None:
+    call, name, said = MISTAKES[mistake]
+    with pytest.raises(ParameterError) as caught:
+        call()
+    assert caught.value.name == name
+    assert said in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+# -- scene files
+
+TEXT = """\
+t_end = 9
+[parameters]
+m = 1
+c = 0
+k = 1
+[[belts]]
+v = 2
+mu = 0.5
+[[belts]]
+v = "2.5 cm/s"
+mu = 0.5
+mu_s = 1
+[start]
+t0 = 0
+x0 = 0
+v0 = 0
+"""
+
+WRONG_FILES = {
+    "v1 as well": (("k = 1", "k = 1\nv1 = 2"), "line 6, [parameters]: parameters.v1 and [[belts]]"),
+    "an unknown key": (("mu_s = 1", "mus = 1"), "line 12, table 2 of [[belts]]: belts.mus is unkn"),
+    "no mu": (("mu = 0.5\n[start", "[start"), None),
+    "no speed": (("v = 2\n", ""), "belts.v is missing; it begins in line 6"),
+    "no belt in a table": (("[[belts]]\nv = 2\nmu = 0.5\n", "belts = 3\n"), None),
+    "mu_s below mu": (("mu_s = 1", "mu_s = 0.1"), "(scene mine.toml, line 12, table 2 of [[belts]])"),
+    "negative": (("mu = 0.5\n[[", "mu = -1\n[["), "line 8, table 1 of [[belts]]"),
+    "in words": (("v = 2\n", 'v = "fast"\n'), "line 7, table 1 of [[belts]]"),
+    "a curve": (("mu = 0.5\n[[", "curve = [[0, 1]]\n[["), "cannot be solved yet"),
+    "mu and a curve": (("mu = 0.5\n[[", "mu = 1\ncurve = [[0, 1]]\n[["), "curve"),
+    "equal speeds": (('v = "2.5 cm/s"', "v = 2"), "both have the speed 2"),
+    "a drive without Omega": (("k = 1", "k = 1\nB0 = 1"), "Omega is required unless B0 = 0"),
+    "no damping": (("c = 0\n", ""), "parameters.c is missing"),
+    "a model": (("[start]", "[model]\nY = 1\n[start]"), "a file with a table [model] has no tables"),
+    "static friction in parameters": (("k = 1", "k = 1\nmu_s1 = 2"), "tables [[belts]] have v, mu"),
+}  # fmt: skip
+
+
+def test_a_file_of_belts_has_units() -> None:
+    pytest.importorskip("pint")
+    scene = read_scene(TEXT, "mine.toml")
+    slow, fast = scene.parameters.belts  # type: ignore[attr-defined]
+    assert slow == Belt("1/40", mu="1/2", mu_s=1)
+    assert fast == Belt(2, mu="1/2")
+    assert not scene.parameters.has_periods
+
+
+@pytest.mark.parametrize("wrong", WRONG_FILES)
+def test_a_wrong_file_of_belts_is_refused_with_its_place(wrong: str) -> None:
+    (old, new), said = WRONG_FILES[wrong]
+    text = TEXT.replace('"2.5 cm/s"', "1").replace(old, new, 1)
+    if wrong == "equal speeds":
+        text = TEXT.replace(old, new)
+    if wrong == "no mu":
+        text = TEXT.replace('"2.5 cm/s"', "1").replace("mu = 0.5\nmu_s = 1", "mu_s = 1")
+        said = "table 2 of [[belts]]"
+    if wrong == "no belt in a table":
+        text = "belts = 3\n" + TEXT.partition("[[")[0] + "[start]" + TEXT.partition("[start]")[2]
+        said = "line 1: belts must be tables"
+    with pytest.raises((SceneError, ParameterError)) as caught:
+        read_scene(text, "mine.toml")
+    assert said is not None
+    assert said.removeprefix("(scene ").rstrip(")") in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_written_scene_of_belts_is_the_scene(seed: int) -> None:
+    dice = random.Random(seed)
+
+    def number(low: int = 0) -> Fraction:
+        return Fraction(dice.randint(low, 99), dice.choice([1, 7, 10]))
+
+    belts = []
+    for speed in dice.sample(range(-9, 9), dice.choice([1, 2])):
+        mu = number()
+        belts.append(Belt(speed, mu=mu, mu_s=dice.choice([None, mu, mu + number()])))
+    drive: Any = dice.choice([{}, {"Omega": number(1)}, {"B0": number(), "Omega": number(1)}])
+    oscillator = Oscillator(m=number(1), c=number(), k=number(), FN=number(), belts=belts, **drive)
+    start: Any = {"t0": number(), "x0": number(-99), "v0": number(-99), "t_end": 999}
+    scene = Scene("mine", oscillator, **start, source="a draw")
+    for explained in (False, True):
+        read = read_scene(as_toml(scene, explained), "mine.toml")
+        assert read == scene
+        assert read.parameters.has_periods == bool(drive)
+
+
+def test_templates_are_motions_that_stick_and_slip(tmp_path: Path) -> None:
+    assert template_names() == ["stick-slip"]
+    assert not set(template_names()) & set(symosc.scene_names())
+    scene = load_template("stick-slip")
+    assert [event.kind for event in symosc.simulate(scene).events[:2]] == ["slip", "stick"]
+    path = tmp_path / "mine.toml"
+    path.write_text(as_toml(scene, explained=True), encoding="utf-8")
+    assert load_scene(path).parameters == scene.parameters == PULLED
+
+
+# -- sweeps
+
+
+def test_a_sweep_of_static_friction_has_the_motions_of_simulate() -> None:
+    coefficients = [0.5, 0.75, 1.0]
+    swept = symosc.sweep(PULLED, {"mu_s1": coefficients, "x0": [0, 1]}, t_end=30)
+    for mu_s in coefficients:
+        for x0 in (0, 1):
+            motion = symosc.simulate(PULLED.replace(mu_s1=mu_s), x0=x0, t_end=30)
+            many = symosc.simulate_many(motion.parameters, [0, x0, 0], 30, record="word").word
+            assert swept.word.sel(mu_s1=mu_s, x0=x0).item() == many[0]
+    assert swept.mu_s1.attrs["units"] == "1"
+    assert "Oscillator(" in swept.symosc.call
+
+
+def test_parameters_are_swept_over_static_friction() -> None:
+    swept = symosc.sweep(FIG9, {"mu_s1": [1.0, 3.0], "mu_s2": [1.0]}, t_end="4T", record="events")
+    own = [FIG9.oscillator.replace(mu_s1=mu_s, mu_s2=1) for mu_s in (1, 3)]
+    events = [len(symosc.simulate(p, t_end="4T").events) for p in own]
+    assert swept.events.values.ravel().tolist() == events
+
+
+@pytest.mark.parametrize(
+    ("over", "said"),
+    [
+        ({"mu_s1": [0.4, 1]}, "mu_s1 = '0.4': must be at least mu = 0.5"),
+        ({"mu1": [0.4, 1.5]}, "must be at least mu = 1.5"),
+        ({"mu1": [0.1, 0.6], "mu_s1": [0.5, 1]}, "must be at least mu = 0.6"),
+        ([{"mu1": 0.1, "mu_s1": 0.2}, {"mu1": 0.3, "mu_s1": 0.2}], "must be at least mu = 0.3"),
+        ({"mu1": [-1, 0]}, "mu1 = '-1': must be >= 0"),
+        ({"mu_s2": [1]}, "did you mean mu_s1?"),
+        ({"Omega": [1]}, "unknown number"),
+        ({"B0": [1]}, "Omega is required"),
+    ],
+)
+def test_swept_belts_are_checked_before_a_motion_is_followed(over: Any, said: str) -> None:
+    with pytest.raises(ParameterError) as caught:
+        symosc.sweep(PULLED, over, t_end=9)
+    assert said in str(caught.value)
