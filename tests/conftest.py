@@ -29,14 +29,11 @@ NEED = {
 }
 NEED_CASES = {
     "flint": "simulation/test_results_compare.py::"
-    "test_what_a_public_function_returns_is_public_documented_and_comparable[certify] "
-    "test_outputs.py::test_an_output_is_what_was_stored[certificates-",
+    "test_what_a_public_function_returns_is_public_documented_and_comparable[certify]",
     "pyarrow": "crosschecks/test_files.py::*.parquet] crosschecks/test_files.py::*.pq] "
     "crosschecks/test_files.py::*.feather] crosschecks/test_files.py::*.arrow] "
     "crosschecks/test_files.py::test_wrong_columns_and_no_numbers_are_named",
-    "h5netcdf": "crosschecks/test_files.py::*[xarray.nc] "
-    "test_outputs.py::test_an_output_is_what_was_stored[sweeps- "
-    "test_outputs.py::test_an_output_is_what_was_stored[simulation-frames]",
+    "h5netcdf": "crosschecks/test_files.py::*[xarray.nc]",
 }
 #: A run of so many slow tests has the loops compiled; a run of a few does not wait for that.
 MANY_SLOW = 100

@@ -11,11 +11,7 @@ import pytest
 from stored_outputs import NAMES, cases, difference, lines_of, stored
 
 #: Kinds of many cases that take half a minute together; `kind_of` says what a kind is.
-LONG_KINDS = {
-    "crosschecks": ("causes of", "said of"),
-    "derive": ("motion with ",),
-    "orbits": ("branch", "border"),
-}
+LONG_KINDS = {"crosschecks": ("causes of", "said of")}
 
 
 def all_cases() -> Iterator[Any]:

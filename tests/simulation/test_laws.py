@@ -241,5 +241,7 @@ def test_three_belts_are_refused_not_misread() -> None:
         lambda: simulate_many(three, (0, 0, 0), 5, use_numba=False),
         lambda: simulate_many([three, three], (0, 0, 0), 5, use_numba=False),
     ):
-        with pytest.raises(ParameterError, match="motions between more than two belts cannot be followed yet"):
+        with pytest.raises(
+            ParameterError, match="motions between more than two belts cannot be followed yet"
+        ):
             follow()

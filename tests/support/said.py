@@ -5,7 +5,7 @@ For stored outputs.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import chdir, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -31,11 +31,6 @@ def outcome(call: Callable[[], object], *kinds: type[Exception], before: str = "
 def error_of(call: Callable[[], object]) -> str:
     """Return what the error of a call says, whatever the call gives if there is none."""
     return str(outcome(lambda: (call(), "no error")[1]))
-
-
-def errors_of(calls: Iterable[Callable[[], object]]) -> str:
-    """Return what the errors of some calls say, line by line."""
-    return "\n".join(map(error_of, calls))
 
 
 @contextmanager
