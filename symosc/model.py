@@ -329,6 +329,13 @@ class Belt:
         """Whether static friction exceeds kinetic friction."""
         return self.mu_s > self.mu
 
+    def _repr_latex_(self) -> str:
+        """Return the belt in the paper's letters, for notebooks."""
+        terms = r",\; ".join(
+            f"{QUANTITIES[name].letter} = {show(value)}" for name, value in self.as_given().items()
+        )
+        return f"${terms}$"
+
     def __repr__(self) -> str:
         speed, *others = (
             f"{name}={_source(show(value))}" for name, value in self.as_given().items()
@@ -543,8 +550,7 @@ class Oscillator(Model):
         """Return what `model_from` reads: all numbers but static coefficients equal to kinetic ones."""
         numbers: dict[str, Fraction] = {name: getattr(self, name) for name in OSCILLATOR_NAMES}
         for n, belt in enumerate(self.belts, 1):
-            names = BELT_NAMES if belt.has_static else BELT_NAMES[:2]
-            numbers |= {f"{name}{n}": getattr(belt, name) for name in names}
+            numbers |= {f"{name}{n}": value for name, value in belt.as_given().items()}
         return numbers
 
     def _shared(self) -> dict[str, Fraction | None]:
@@ -587,7 +593,10 @@ class Oscillator(Model):
         letters = {name: QUANTITIES[name].letter for name in OSCILLATOR_NAMES}
         for n in range(1, len(self.belts) + 1):
             letters |= {f"v{n}": f"v_{n}", f"mu{n}": rf"\mu_{n}", f"mu_s{n}": rf"\mu_{{s,{n}}}"}
-        terms = r",\; ".join(f"{letters[name]} = {text}" for name, text in self.as_dict().items())
+        shown = self.given_numbers()
+        terms = r",\; ".join(
+            f"{letters[name]} = {text}" for name, text in self.as_dict().items() if name in shown
+        )
         return f"${terms}$"
 
     def __repr__(self) -> str:

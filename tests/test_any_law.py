@@ -21,11 +21,12 @@ ONE = Oscillator(**SHARED, belts=[Belt("1/5", mu="2/5")])
 STATIC = Oscillator(**SHARED, belts=[Belt("1/5", mu="2/5", mu_s="3/5")])
 STATIC_2 = TWO.replace(mu_s2=2)
 TIMES = np.linspace(0, 3, 31)
-ENDS = {"start": (0.1, 1.0), "end": (0.2, 1.1)}
+ENDS: Any = {"start": (0.1, 1.0), "end": (0.2, 1.1)}
 
 
 def scene(p: Any) -> Scene:
-    return Scene("mine", p, t0=0, x0=0, v0=0, t_end=5)
+    start: Any = {"t0": 0, "x0": 0, "v0": 0, "t_end": 5}
+    return Scene("mine", p, **start)
 
 
 def summary_table(p: Any) -> Any:
@@ -82,7 +83,9 @@ def follows(name: str) -> bool:
 
 
 def test_every_public_function_is_called() -> None:
-    functions = {name for name in symosc.__all__ if inspect.isfunction(getattr(symosc, name))}
+    functions = {
+        name for name in vars(symosc)["__all__"] if inspect.isfunction(getattr(symosc, name))
+    }
     assert functions - OTHERS == functions & set(CALLS)
 
 

@@ -8,6 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import symosc
@@ -17,6 +18,9 @@ from symosc.scenes import as_toml, load_template, read_scene, template_names
 FREE: Any = {"m": 1, "c": 0, "k": 1}
 PULLED = Oscillator(**FREE, belts=[Belt("1/5", mu="1/2", mu_s=1)])
 FIG9 = load_scene("fig9").parameters
+
+#: Columns by name, with belt 1 faster than belt 2.
+PASSED: Any = FIG9.numbers() | {"mu_s1": Fraction(2), "v1": Fraction(99)}
 
 MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
     "negative mu": (lambda: Belt(1, mu=-1), "mu", ">= 0"),
@@ -30,7 +34,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
     "a speed in words": (lambda: Belt("fast", mu=1), "v", "give a number"),
     "nan": (lambda: Belt(float("nan"), mu=1), "v", "finite"),
     "an endless mu_s": (lambda: Belt(1, mu=1, mu_s=float("inf")), "mu_s", "finite"),
-    "a list of speeds": (lambda: Belt([1, 2], mu=1), "v", "must be"),  # type: ignore[arg-type]
+    "a list of speeds": (lambda: Belt([1, 2], mu=1), "v", "must be"),
     "equal speeds": (
         lambda: Oscillator(**FREE, belts=[Belt(1, mu=1), Belt("2/2", mu=2)]),
         "belts",
@@ -61,7 +65,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
         f"less than v2 = {FIG9.v2}",
     ),
     "columns that pass each other": (
-        lambda: symosc.simulate_many({**FIG9.numbers(), "mu_s1": 2, "v1": 99}, [0, 0, 0], 5),
+        lambda: symosc.simulate_many(PASSED, [0, 0, 0], 5),
         "v1",
         "less than v2",
     ),
@@ -89,7 +93,7 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
     ),
     "no end": (lambda: symosc.simulate(PULLED), "t_end", "you pass an Oscillator"),
     "the force above two domains": (lambda: PULLED.A(3), "alpha", "from 1 to 2"),
-    "static friction of Parameters": (lambda: FIG9.replace(mu_s1=1), "mu_s1", "unknown"),  # type: ignore[call-arg]
+    "static friction of Parameters": (lambda: FIG9.replace(mu_s1=1), "mu_s1", "unknown"),
 }
 
 
@@ -183,7 +187,9 @@ def test_a_written_scene_of_belts_is_the_scene(seed: int) -> None:
         mu = number()
         belts.append(Belt(speed, mu=mu, mu_s=dice.choice([None, mu, mu + number()])))
     drive: Any = dice.choice([{}, {"Omega": number(1)}, {"B0": number(), "Omega": number(1)}])
-    oscillator = Oscillator(m=number(1), c=number(), k=number(), FN=number(), belts=belts, **drive)
+    oscillator: Any = Oscillator(
+        m=number(1), c=number(), k=number(), FN=number(), belts=belts, **drive
+    )
     start: Any = {"t0": number(), "x0": number(-99), "v0": number(-99), "t_end": 999}
     scene = Scene("mine", oscillator, **start, source="a draw")
     for explained in (False, True):
@@ -199,7 +205,9 @@ def test_templates_are_motions_that_stick_and_slip(tmp_path: Path) -> None:
     assert [event.kind for event in symosc.simulate(scene).events[:2]] == ["slip", "stick"]
     path = tmp_path / "mine.toml"
     path.write_text(as_toml(scene, explained=True), encoding="utf-8")
-    assert load_scene(path).parameters == scene.parameters == PULLED
+    for read in (scene, load_scene(path)):
+        oscillator: Any = read.parameters
+        assert oscillator == PULLED
 
 
 # -- sweeps
@@ -241,3 +249,40 @@ def test_swept_belts_are_checked_before_a_motion_is_followed(over: Any, said: st
     with pytest.raises(ParameterError) as caught:
         symosc.sweep(PULLED, over, t_end=9)
     assert said in str(caught.value)
+
+
+# -- notebooks and figures
+
+
+def test_notebooks_show_belts_and_oscillators() -> None:
+    assert Belt("1/5", mu="1/2", mu_s=1)._repr_latex_() == r"$v = 0.2,\; \mu = 0.5,\; \mu_s = 1$"
+    assert Belt("1/5", mu="1/2")._repr_latex_() == r"$v = 0.2,\; \mu = 0.5$"
+    latex = PULLED._repr_latex_()
+    assert r"v_1 = 0.2,\; \mu_1 = 0.5,\; \mu_{s,1} = 1" in latex
+    assert "Omega" not in latex
+    assert r"\mu_{s,1}" not in FIG9.oscillator._repr_latex_()
+    page = load_template("stick-slip")._repr_html_() or ""
+    assert "<td>mu_s1 | 1 | static coefficient of belt 1 | 1</td>" in page
+    assert "v2" not in page
+
+
+def test_a_figure_shows_one_belt_and_what_static_friction_adds() -> None:
+    motion = symosc.simulate(PULLED, v0="1/5", t_end=20)
+    drawing = symosc.plot.figure(motion, panels="bdg")
+    velocities, forces, product = drawing.axes
+    assert [text.get_text() for text in velocities.texts] == ["$v_1$"]
+    assert forces.get_ylabel() == "forces per mass $F^{(1)}$, $F^{(2)}$"
+    assert product.get_ylabel() == r"product $(F^{(1)} + E)\, (F^{(2)} - E)$"
+    (legend,) = drawing.legends
+    assert "static friction" in [text.get_text() for text in legend.get_texts()]
+    # The stick from 0 ends at t = 5, where F^(1) + E falls to 0; a band is drawn on each side.
+    bands = [band for band in forces.collections if band.get_label() == "static friction"]
+    vertices = [np.array(band.get_paths()[0].vertices) for band in bands]
+    ends = [edge[abs(edge[:, 0] - 5) < 1e-9, 1].max() for edge in vertices if edge[0, 0] < 1]
+    assert min(map(abs, ends)) < 1e-9
+    plain = symosc.plot.figure(symosc.simulate(PULLED.replace(mu_s1="1/2"), t_end=20), panels="dg")
+    labels = [text.get_text() for text in plain.legends[0].get_texts()]
+    assert "static friction" not in labels
+    assert plain.axes[1].get_ylabel() == r"product $F^{(1)}\, F^{(2)}$"
+    with pytest.raises(ParameterError, match="boundary"):
+        symosc.plot.figure(motion, boundary=2)

@@ -599,8 +599,8 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         parameters = {n: text for n, text in parameters.items() if n in OSCILLATOR_NAMES}
         belts += [BELTS_COMMENT] if explained else []
         for belt in p.belts:
-            shown = ("v", "mu", "mu_s") if belt.has_static else ("v", "mu")
-            belts += ["[[belts]]", *(line(name, show(getattr(belt, name))) for name in shown), ""]
+            numbers = (line(name, show(value)) for name, value in belt.as_given().items())
+            belts += ["[[belts]]", *numbers, ""]
     lines += [line("t_end", show(own.t_end)), ""]
     if scene.original is not None:
         parameters = scene.original.model.as_dict()
