@@ -262,7 +262,7 @@ def test_notebooks_show_belts_and_oscillators() -> None:
     assert "Omega" not in latex
     assert r"\mu_{s,1}" not in FIG9.oscillator._repr_latex_()
     page = load_template("stick-slip")._repr_html_() or ""
-    assert "<td>mu_s1 | 1 | static coefficient of belt 1 | 1</td>" in page
+    assert "static coefficient of belt 1" in page
     assert "v2" not in page
 
 
