@@ -13,13 +13,14 @@ import numpy as np
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.verdict import Verdict
 from symosc.engine.flow import Constants
-from symosc.model import Parameters
+from symosc.model import Model, Parameters
 
 #: Causes by name, in words. The last five say what is wrong where no cause is.
 CAUSES = {
     "coefficient": "a wrong coefficient",
     "sign": "a wrong sign",
     "swapped belts": "the belts' frictions are swapped",
+    "static friction": "static friction is missing",
     "columns": "the columns are not what they are called",
     "time shift": "the clock is wrong",
     "phase": "another phase of the drive",
@@ -97,7 +98,7 @@ class Explanation(NamedTuple):
 
     diagnosis: Diagnosis
     words: str = ""
-    parameters: Parameters | None = None
+    parameters: Model | None = None
     columns: ChangeColumns | None = None
     left: np.ndarray | None = None
 
@@ -185,6 +186,11 @@ class FaultySteps:
         if len(self.inside):
             self.flights_wrong = float(np.mean(self.wrong[self.inside]))
 
+    @property
+    def paper(self) -> Parameters:
+        """The parameters of the paper's oscillator; ParameterError if it is another one."""
+        return self.parameters.parameters
+
     @cached_property
     def telling(self) -> np.ndarray:
         """Wrong steps that show whether a cause is right: the largest ones, and some of the
@@ -226,7 +232,7 @@ class FaultySteps:
         """
         return larger(self.misses(ends, steps))
 
-    def defects_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray:
+    def defects_with(self, p: Model, ahead: float = 0.0) -> np.ndarray:
         """Return all defects, divided by the allowed, for parameters `p` and with `ahead` added to
         all times.
         """
@@ -263,7 +269,7 @@ class FaultySteps:
             return chosen
         return chosen[np.linspace(0, len(chosen) - 1, most).astype(int)]
 
-    def left_with(self, p: Parameters, ahead: float = 0.0) -> np.ndarray | None:
+    def left_with(self, p: Model, ahead: float = 0.0) -> np.ndarray | None:
         """Return the sizes of all defects with other parameters or times.
 
         None if few telling steps refuse them.
@@ -274,9 +280,7 @@ class FaultySteps:
             return larger(self.defects_with(p, ahead))
         return None
 
-    def some_defects_with(
-        self, p: Parameters, chosen: np.ndarray, ahead: float = 0.0
-    ) -> np.ndarray:
+    def some_defects_with(self, p: Model, chosen: np.ndarray, ahead: float = 0.0) -> np.ndarray:
         """Return the defects of the steps `chosen`, divided by the allowed, as rows x, v.
 
         They are for parameters `p` and with `ahead` added to all times.

@@ -19,7 +19,7 @@ from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.velocities import with_velocities
 from symosc.crosschecks.verdict import Verdict
-from symosc.model import Parameters
+from symosc.model import Model
 from symosc.simulation.tables import counted
 
 # In any units x must agree with the integral of v up to this factor.
@@ -59,9 +59,7 @@ def other_columns(case: FaultySteps) -> Iterator[Explanation]:
         yield candidate._replace(diagnosis=replace(candidate.diagnosis, share=share))
 
 
-def changed_columns(
-    p: Parameters, t: np.ndarray, x: np.ndarray, v: np.ndarray
-) -> Iterator[Explanation]:
+def changed_columns(p: Model, t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Iterator[Explanation]:
     """Yield candidates with other signs, order or units of columns.
 
     Units only if x and v then give one path length.
@@ -92,7 +90,7 @@ class Change(NamedTuple):
     value: float | None = None
 
 
-def _other_signs(p: Parameters) -> Iterator[Change]:
+def _other_signs(p: Model) -> Iterator[Change]:
     """Yield changes of sign, of order, of the frame, and by one sample."""
     yield Change("sign", "x", "x has the wrong sign", "with -x", lambda t, x, v: (t, -x, v))
     yield Change("sign", "v", "v has the wrong sign", "with -v", lambda t, x, v: (t, x, -v))
@@ -100,8 +98,8 @@ def _other_signs(p: Parameters) -> Iterator[Change]:
     yield Change("sign", "x and v", words, "with -x, -v", lambda t, x, v: (t, -x, -v))
     words = "the columns x and v are swapped"
     yield Change("columns", "x and v", words, "swapped", lambda t, x, v: (t, v, x))
-    for boundary in (1, 2):
-        speed = float(p.belt(boundary))
+    for boundary, belt in enumerate(p.law.belts, 1):
+        speed = float(belt.v)
         if speed:
             words = f"v is the velocity relative to belt {boundary}"
             result = f"with v + v{boundary}"
@@ -122,7 +120,7 @@ def _with_v_before(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
     return t[1:], x[1:], v[:-1]
 
 
-def _other_units(p: Parameters) -> Iterator[Change]:
+def _other_units(p: Model) -> Iterator[Change]:
     """Yield changes of the units of x, v or t."""
     m = float(p.m)
     Om = float(p.Omega)
@@ -272,7 +270,7 @@ def _velocities_beside(case: FaultySteps, first: int, v: np.ndarray, share: floa
 def frozen_positions(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that x stands still during sticks although the belt moves."""
     s = case.steps
-    speeds = (float(case.parameters.v1), float(case.parameters.v2))
+    speeds = s.belts.tolist()
 
     def moved(t: np.ndarray, x: np.ndarray, v: np.ndarray) -> Columns:
         """Return the columns with x of sticks moved by the way of the belt since the stick began."""

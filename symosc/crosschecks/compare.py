@@ -36,8 +36,8 @@ from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all, shown
 from symosc.crosschecks.samples import Samples, checked, checked_events
 from symosc.crosschecks.verdict import CheckTask, judge
-from symosc.model import Parameters
-from symosc.scenes import Scene, not_reduced_error, scene_of
+from symosc.model import Model, Oscillator
+from symosc.scenes import Scene, model_of, not_reduced_error, scene_of
 from symosc.simulation.batch import read_workers
 
 __all__ = ["CrossCheck", "CrossChecks", "FoundEvent", "Match", "crosscheck"]
@@ -47,7 +47,7 @@ STEP_TOLERANCE = 1e-8
 
 @public
 def crosscheck(
-    scene: Scene | Parameters | SceneName,
+    scene: Scene | Model | SceneName,
     t: SolutionLike,
     x: ArrayLike | Callable[..., Any] | None = None,
     v: ArrayLike | None = None,
@@ -65,9 +65,10 @@ def crosscheck(
 
     Parameters
     ----------
-    scene : Scene, str or Parameters
+    scene : Scene, str, Parameters or Oscillator
         With a scene the solution has to start where the scene does, or on its motion later, and to
-        go on to its `t_end`. With Parameters it starts at the first sample and may end anywhere.
+        go on to its `t_end`. With Parameters, or an
+        Oscillator, it starts at the first sample and may end anywhere.
     t, x, v : array_like, shape (n,)
         Times, which may come twice where two pieces are joined, positions and velocities. Without
         `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v), or a
@@ -120,7 +121,9 @@ def crosscheck(
     >>> crosscheck("fig5", simulate("fig5")).ok
     True
     """
-    scene = scene_of(scene, "scene")
+    scene = scene_of(scene, "scene", any_law=True)
+    if isinstance(law := model_of(scene), Oscillator) and law.contracts and len(law.belts) != 1:
+        scene = scene_of(scene, "scene")  # it has the law of Parameters, or one that is refused
     require(SOLUTION, t=t)
     require_or_none(*ARRAY_LIKE, function_of(None), x=x)
     require_or_none(*ARRAY_LIKE, v=v)
@@ -152,7 +155,7 @@ def crosscheck(
 
 
 def _solutions(
-    scene: Scene | Parameters,
+    scene: Scene | Model,
     t: SolutionLike,
     x: ArrayLike | Callable[..., Any] | None,
     v: ArrayLike | None,

@@ -25,6 +25,7 @@ from symosc.crosschecks.causes import (
 )
 from symosc.crosschecks.verdict import Verdict, judge
 from symosc.engine.next_event import TWO_PI
+from symosc.model import Parameters
 
 # Causes that explain this little less than the best are its alternatives.
 AS_GOOD = 0.02
@@ -48,6 +49,13 @@ STAGES: tuple[tuple[Cause, ...], ...] = (
     (methods.late_events, friction.drift),
     (friction.smoothed,),
     (methods.gone_over, methods.large_steps),
+)
+#: The causes for oscillators with other friction laws than the paper's.
+STAGES_OF_OTHER_LAWS: tuple[tuple[Cause, ...], ...] = (
+    (friction.without_static,),
+    *STAGES[:2],
+    (columns.velocity_column, columns.frozen_positions),
+    (columns.noise,),
 )
 
 
@@ -83,8 +91,9 @@ def _cause_of_wrong_steps(check: Verdict) -> Diagnosis:
         named = repeated.confirmed([unit for unit in units if unit.diagnosis.subject == "t"])
         return named[0] if named else _unknown(check)
     if len(case.telling):  # else samples at one time differ, or no step can be decided
+        stages = STAGES if isinstance(p, Parameters) else STAGES_OF_OTHER_LAWS
         with np.errstate(all="ignore"):  # what cannot be computed explains nothing
-            for stage in STAGES:
+            for stage in stages:
                 named = repeated.confirmed(_explaining(case, stage, check))
                 if named:
                     return _with_alternatives(named)

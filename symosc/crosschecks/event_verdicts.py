@@ -155,7 +155,8 @@ class EventVerdicts:
             at_its_belts = {(belt, source) for belt, source in contacts if belt in belts}
             some_from_one_side |= of_list != at_its_belts
         if claims and any(not times for times in lists):
-            for unclaimed in {1, 2} - {belt for belt, _ in claims}:
+            numbers = range(1, len(self.steps.belts) + 1)
+            for unclaimed in {*numbers} - {belt for belt, _ in claims}:
                 at_belt = {(belt, source) for belt, source in contacts if belt == unclaimed}
                 # If lists are of one side, an empty one may be of the side without contacts.
                 if len(at_belt) > 1 or not some_from_one_side:

@@ -119,7 +119,7 @@ def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray
     v = steps.v
     K = steps.K
     label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
-    for boundary, speed in ((1, K.belt1.v), (2, K.belt2.v)):
+    for boundary, speed in enumerate(steps.belts.tolist(), 1):
         gap = np.abs(v - speed)
         sticks = steps.last == ON_BELT + boundary
         held = np.append(sticks, False) | np.append(False, sticks)

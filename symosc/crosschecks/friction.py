@@ -1,4 +1,4 @@
-"""Faults at the belts as causes: smoothed friction, and drift in sticks."""
+"""Faults at the belts as causes: smoothed or missing static friction, and drift in sticks."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from symosc.crosschecks.causes import Diagnosis, Explanation, FaultySteps, fitte
 from symosc.crosschecks.models import rounded
 from symosc.engine.state import ON_BELT, SLIP
 from symosc.kernels._generated import acceleration
+from symosc.model import Oscillator
 from symosc.simulation.tables import counted
 
 #: Curves f(z) that replace sign(z), z = (v - v_belt)/width.
@@ -100,6 +101,24 @@ def _width(case: FaultySteps, i: int, curve: Callable[[float], float]) -> float 
             return float(np.exp(brentq(left, before, after, xtol=WIDTH_DIGITS)))
         left_before = left_after
     return None
+
+
+# -- missing static friction -----------------------------------------------------------------------
+
+
+def without_static(case: FaultySteps) -> Iterator[Explanation]:
+    """Yield the diagnosis that belts hold the mass with their kinetic friction alone."""
+    p = case.parameters
+    if not isinstance(p, Oscillator) or p.contracts:
+        return
+    kinetic = p.replace(**{f"mu_s{n}": belt.mu for n, belt in enumerate(p.belts, 1)})
+    left = case.left_with(kinetic)
+    if left is not None:
+        words = (
+            "static friction is missing: belts hold the mass only up to mu FN, as with mu_s = mu"
+        )
+        found = Diagnosis("static friction", "mu_s", words, "")
+        yield Explanation(found, "with mu_s = mu", parameters=kinetic, left=left)
 
 
 # -- drift in sticks -------------------------------------------------------------------------------

@@ -359,8 +359,7 @@ def _mixtures(case: FaultySteps, steps: np.ndarray, any_stick: bool = False) -> 
     excess = np.zeros(len(steps))
     begin = s.v[steps]
     end = s.v[steps + 1]
-    for belt in (1, 2):
-        speed = s.belts[belt - 1]
+    for belt, speed in enumerate(s.belts.tolist(), 1):
         below, above = (s.flight(belt + side, steps, steps + 1) for side in (0, 1))
         gap_x, gap_v = (below - above).T
         is_bounded, excess_here = _shares_below(case, steps, above, gap_x, gap_v)

@@ -59,8 +59,8 @@ def other_systems(case: FaultySteps) -> Iterator[Explanation]:
     """Yield each common modelling mistake that explains the wrong steps, with a change that tests
     it.
     """
-    p = case.parameters
-    seen = {case.parameters}
+    p = case.paper
+    seen = {case.paper}
     flights = case.thinned(case.inside_wrong, MOST_FLIGHTS)
     for mistake in _systems(p):
         system = _replaced(p, **mistake.values)
@@ -159,7 +159,7 @@ def _wrong_signs(case: FaultySteps) -> Iterator[Explanation]:
     """Yield the diagnosis that friction, spring or damper has the wrong sign, by integration over
     steps.
     """
-    p = case.parameters
+    p = case.paper
     K = case.steps.K
     steps = case.telling
     # A0 minus the friction, in place of A0 plus the friction.
@@ -212,7 +212,7 @@ def far_coefficients(case: FaultySteps) -> Iterator[Explanation]:
     The fit begins at the best value of a grid.
     """
     flights = case.thinned(case.inside, MOST_FLOWN)
-    p = case.parameters
+    p = case.paper
     if len(flights) < FEWEST_FAR or case.flights_wrong < 0.5:
         return
     few = case.thinned(flights, FEW_FAR)
@@ -254,10 +254,10 @@ def _coefficient(case: FaultySteps, name: str, fit: FittedNumber | None) -> Iter
         return
     value = float(fit.value[0])
     error = float(fit.error[0])
-    right = float(getattr(case.parameters, name))
+    right = float(getattr(case.paper, name))
     text = rounded(value, error)
-    changed = _replaced(case.parameters, **{name: float(text)})
-    if changed is None or changed == case.parameters:
+    changed = _replaced(case.paper, **{name: float(text)})
+    if changed is None or changed == case.paper:
         left = None
     else:
         left = case.left_with(changed)
@@ -307,7 +307,7 @@ def _fit_flights(case: FaultySteps, name: str, start: float | None = None) -> Fi
 
     None if the fit does not remove most of their defects.
     """
-    p = case.parameters
+    p = case.paper
     flights = case.thinned(case.inside, MOST_FLOWN)
     before = _median(case.sizes[flights])
     if not before > 1.0:
@@ -350,7 +350,7 @@ def _fit_belt(case: FaultySteps, name: str) -> FittedNumber | None:
     """Return the speed of a belt, from samples that move with it if there are any, else by a
     fit.
     """
-    p = case.parameters
+    p = case.paper
     s = case.steps
     chosen = case.thinned(case.telling, MOST_FLIGHTS)
 
@@ -415,7 +415,7 @@ def phases_of_drive(case: FaultySteps) -> Iterator[Explanation]:
     flights = case.thinned(case.inside, MOST_FLOWN)
     K = case.steps.K
     fit = None
-    if not case.parameters.B0 or len(case.moving_wrong) < FEWEST_FITTED:
+    if not case.paper.B0 or len(case.moving_wrong) < FEWEST_FITTED:
         return
     if len(flights) >= FEWEST_FAR:
         turn = _phase_shift(case, flights)
@@ -425,7 +425,7 @@ def phases_of_drive(case: FaultySteps) -> Iterator[Explanation]:
     chosen = case.thinned(case.telling, MOST_FLIGHTS)
 
     def misses(value: np.ndarray) -> np.ndarray:
-        return case.some_defects_with(case.parameters, chosen, float(value[0]) / K.Om)
+        return case.some_defects_with(case.paper, chosen, float(value[0]) / K.Om)
 
     if turn is not None:
         fit = fitted(lambda q: case.flight_misses(K, float(q[0]), flights), np.array([turn]), tick)
@@ -483,7 +483,7 @@ def _shift_or_phase(case: FaultySteps, turn: float, error: float) -> Iterator[Ex
         turn = quarters * pi / 2
         remark = names[quarters]
     shift = -turn / Om
-    left = case.left_with(case.parameters, turn / Om)
+    left = case.left_with(case.paper, turn / Om)
     if left is None:
         return
     evidence = f"fitted: {rounded(turn, error)} ± {error:.1g}"

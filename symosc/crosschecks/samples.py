@@ -12,7 +12,7 @@ import numpy as np
 from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import NO_EXPRESSION, NUMBER_FORMS, read_double, unmasked
 from symosc.engine.events import KIND_NAMES
-from symosc.model import Parameters
+from symosc.model import Model, Oscillator
 
 SAMPLE_COLUMNS = ("t", "x", "v")
 # Squares of a sample and its products with rates must not overflow.
@@ -40,9 +40,12 @@ class Samples:
         return bool(np.isnan(self.v[0]))
 
 
-def fastest_rate(p: Parameters) -> float:
+def fastest_rate(p: Model) -> float:
     """Return the larger of the frequencies of the drive and of the free motion."""
-    return max(float(p.Omega), float(p.k / p.m) ** 0.5)
+    free = float(p.k / p.m) ** 0.5
+    if isinstance(p, Oscillator) and p.has_free_clock and free:
+        return free
+    return max(float(p.Omega), free)
 
 
 def checked(t: object, x: object, v: object = None, events: object = None) -> Samples:

@@ -1,11 +1,15 @@
 """The exact motion over each step of samples, restarted from every sample, and the error bounds of
 right samples.
 
-Two motions of one scene never move apart. Friction falls with the velocity, so for the differences
-X and V of two motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the sign of V), through
-sticks and crossings as well. Hence
+Two motions of one scene without static friction never move apart. Friction falls with the velocity,
+so for the differences X and V of two motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the
+sign of V), through sticks and crossings as well. Hence
 
     V^2 + (k/m) X^2 never grows,   |V(t)| <= max(|V(0)|, (k/c) max |X|),   |V(t)| <= |V(0)| + (k/m) t max |X|.
+
+With static friction they may: an error of x moves a slip, behind which the acceleration jumps by E,
+and decides whether a belt holds the mass. What the exact motion makes of an error is then followed
+from the corners of a box about the sample (`spread_of_steps`).
 
 In most steps surely nothing happens, and these are done all at once. Over a short step of length
 tau the velocity stays near the chord between its two ends: it is off by at most tau^2/8 max |b|,
@@ -34,13 +38,13 @@ from symosc.engine.batch import Batch, batch_of, joined, keep_state, state_of
 from symosc.engine.flow import Constants, table_of
 from symosc.engine.next_event import TWO_PI, advance
 from symosc.engine.start import start_rows
-from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST
+from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.compiling import is_compiled
 from symosc.kernels.double_double import two_product
 from symosc.kernels.entire import EPS
-from symosc.model import Parameters
+from symosc.model import Model
 from symosc.simulation.batch import follow_batch
 from symosc.simulation.loops import CHOICE, INTERPRETED, Budget
 
@@ -54,12 +58,14 @@ STEPS_TOGETHER = 1 << 16
 # A motion whose distance from a belt, or from a stick's end, is a smaller part of its size needs
 # the event search.
 CLEARANCE = 1e-9
+# Corners of a box, and middles of its edges, in units of its half-widths in x and v.
+BOX_POINTS = [(x, v) for x in (-1, 0, 1) for v in (-1, 0, 1) if x or v]
 
 
 # -- how far right samples may be off --------------------------------------------------------------
 
 
-def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
+def propagated(p: Model, off: np.ndarray, tau: Any) -> np.ndarray:
     """Bound the difference [x, v] of two exact motions that differed by `off` a time `tau` ago,
     with any events.
     """
@@ -80,7 +86,7 @@ def propagated(p: Parameters, off: np.ndarray, tau: Any) -> np.ndarray:
     return np.stack([farthest, v], axis=-1)
 
 
-def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndarray:
+def double_rounding(p: Model, t: np.ndarray, scales: np.ndarray) -> np.ndarray:
     """Bound the errors that rounding of doubles makes in x and v over steps.
 
     `scales` are the largest |x| and |v|.
@@ -91,22 +97,24 @@ def double_rounding(p: Parameters, t: np.ndarray, scales: np.ndarray) -> np.ndar
     return by_rounded_times + 8.0 * np.finfo(float).eps * scales
 
 
-def push_bound(p: Parameters, x: float | np.ndarray, v: float | np.ndarray) -> Any:
+def push_bound(p: Model, x: float | np.ndarray, v: float | np.ndarray) -> Any:
     """Return the largest possible acceleration at given |x| and |v|, whatever the phase and the
     domain.
 
     Domains that no mass with the largest of the given |v| is in do not count.
     """
     fastest = float(np.max(v))
-    walls = (-inf, float(p.v1), float(p.v2), inf)
+    walls = (-inf, *(float(belt.v) for belt in p.law.belts), inf)
     reached = [
-        alpha for alpha in (1, 2, 3) if walls[alpha - 1] <= fastest and walls[alpha] >= -fastest
+        alpha
+        for alpha in range(1, len(walls))
+        if walls[alpha - 1] <= fastest and walls[alpha] >= -fastest
     ]
     forces = max(abs(p.A(alpha)) for alpha in reached) + abs(p.B0)
     return float(forces / p.m) + float(p.k / p.m) * np.abs(x) + float(p.c / p.m) * np.abs(v)
 
 
-def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.ndarray:
+def sample_errors(p: Model, samples: Samples, rounding: np.ndarray) -> np.ndarray:
     """Bound the errors of x and v of each sample, (n, 2), given the rounding of its t, x and v, (3,
     n).
     """
@@ -124,13 +132,24 @@ def sample_errors(p: Parameters, samples: Samples, rounding: np.ndarray) -> np.n
     return np.column_stack([error_x, error_v])
 
 
+def has_static(p: Model) -> bool:
+    """Return whether static friction of any belt exceeds its kinetic friction."""
+    return any(p.law.excess(boundary) > 0 for boundary in range(1, len(p.law.belts) + 1))
+
+
+def belt_speeds(K: Constants) -> np.ndarray:
+    """Return the speeds of the belts that there are."""
+    speeds = np.array([K.belt1.v, K.belt2.v])
+    return speeds[speeds < inf]
+
+
 # -- the exact motion over the steps ---------------------------------------------------------------
 
 
 class StepEvents(NamedTuple):
     """Events of the exact motion inside steps, as columns in order of step and time.
 
-    `kind` is a code of `engine.events.KIND_NAMES`, `boundary` is 1 or 2, and `target` is the mode
+    `kind` is a code of `engine.events.KIND_NAMES`, `boundary` is the number of a belt, and `target` is the mode
     after the event, a code of `friction.MODE_NAMES`.
     """
 
@@ -155,7 +174,7 @@ INTEGER_COLUMNS = ("step", "kind", "boundary", "target")
 class ExactSteps:
     """The exact motion from each sample to the next one."""
 
-    parameters: Parameters
+    parameters: Model
     K: Constants
     t: np.ndarray
     x: np.ndarray
@@ -164,6 +183,7 @@ class ExactSteps:
     defects: np.ndarray  # the exact motion over the step minus the next sample, (n - 1, 2)
     first: np.ndarray  # the mode (MODE_NAMES) just after the sample
     last: np.ndarray  # the mode at the end of the step
+    on: np.ndarray  # the belt that the motion of the step begins on, 0 if none
     events: StepEvents
 
     @property
@@ -173,8 +193,19 @@ class ExactSteps:
 
     @property
     def belts(self) -> np.ndarray:
-        """Speeds of the belts."""
-        return np.array([self.K.belt1.v, self.K.belt2.v])
+        """Speeds of the belts that there are."""
+        return belt_speeds(self.K)
+
+    def may_meet_belts(self, box: np.ndarray) -> np.ndarray:
+        """Return which steps may have an event if they begin up to `box` from their samples."""
+        ends = self.states[1:] + self.defects
+        largest = np.max(np.abs(self.states), axis=0)
+        reach = float(push_bound(self.parameters, *largest)) * np.diff(self.t) + box[:, 1]
+        gaps = [np.min(np.abs(v[:, None] - self.belts), axis=1) for v in (self.v[:-1], ends[:, 1])]
+        may_meet = np.minimum(*gaps) <= reach
+        may_meet |= (self.on > 0) | (self.first > ON_BELT)
+        may_meet[self.events.step] = True
+        return may_meet
 
     def at(self, time: float, slack: float = 0.0) -> tuple[int, int]:
         """Return the first and the last step that come within `slack` of a time."""
@@ -205,14 +236,14 @@ class ExactSteps:
         return np.stack([x + dx, v + dv], axis=-1)
 
 
-def follow_steps(
-    parameters: Parameters, t: Any, x: Any, v: Any, near: Any, scales: Any
-) -> ExactSteps:
+def follow_steps(parameters: Model, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
     """Restart the exact motion from every sample and follow it to the time of the next one.
 
     A sample whose v differs from a belt's speed by at most `near`, a number or an array (n,), may
     be meant to be on the belt or beside it. Both are followed, and the one counts that is nearer to
-    the next sample, in units of x and v `scales`, (2,) or (n - 1, 2).
+    the next sample, in units of x and v `scales`, (2,) or (n - 1, 2). Where static friction may
+    hold the mass it is beside the belt only if it was on that side at the end of the step before: a
+    mass that is held does not leave by a rounding error.
     """
     # Where a time is repeated nothing moves: the defect is the jump.
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
@@ -222,6 +253,8 @@ def follow_steps(
     theta = np.empty(count + 1)
     defects = np.empty((count, 2))
     modes = np.zeros((2, count), np.int8)
+    on = np.zeros(count, np.int8)
+    before = 0
     parts_of_events = []
     for begin in range(0, count, STEPS_TOGETHER):
         end = min(begin + STEPS_TOGETHER, count)
@@ -229,9 +262,11 @@ def follow_steps(
         inner = slice(begin, end)
         theta[numbers] = phases(parameters, t[numbers])
         samples = np.array([t[numbers], x[numbers], v[numbers], theta[numbers]])
-        followed = _follow_samples(K, samples, near[inner], scales[inner])
+        followed = _follow_samples(K, samples, near[inner], scales[inner], before)
         defects[inner] = followed.defects
         modes[:, inner] = followed.modes
+        before = int(followed.modes[1, -1])
+        on[inner] = followed.on
         events = followed.events
         parts_of_events.append(events._replace(step=events.step + begin))
     # A step in which no time passes has the mode in which the motion arrives, or leaves the first
@@ -243,18 +278,20 @@ def follow_steps(
         else:
             modes[:, i] = first_modes[int(np.argmax(np.diff(t) > 0.0))]
     events = StepEvents(*map(np.concatenate, zip(*parts_of_events, strict=True)))
-    return ExactSteps(parameters, K, t, x, v, theta, defects, first_modes, last_modes, events)
+    return ExactSteps(parameters, K, t, x, v, theta, defects, first_modes, last_modes, on, events)
 
 
 class FollowedSteps(NamedTuple):
     """What the exact motion does in steps.
 
     `defects` has two columns, x and v: the end of the exact motion less the next sample. `modes`
-    has two rows, the modes at the start and at the end of each step.
+    has two rows, the modes at the start and at the end of each step. `on` is the belt that a step
+    begins on, 0 if none.
     """
 
     defects: np.ndarray
     modes: np.ndarray
+    on: np.ndarray
     events: StepEvents
 
     @property
@@ -264,11 +301,14 @@ class FollowedSteps(NamedTuple):
 
 
 def _follow_samples(
-    K: Constants, samples: np.ndarray, near: np.ndarray, scales: np.ndarray
+    K: Constants, samples: np.ndarray, near: np.ndarray, scales: np.ndarray, before: int
 ) -> FollowedSteps:
-    """Follow all steps between samples, rows t, x, v, theta."""
+    """Follow all steps between samples, rows t, x, v, theta.
+
+    `before` is the mode before the first sample, 0 if it is not known.
+    """
     t, x, v, _ = samples
-    gaps = np.abs(v[:-1, None] - np.array([K.belt1.v, K.belt2.v]))
+    gaps = np.abs(v[:-1, None] - belt_speeds(K))
     closest = np.argmin(gaps, axis=1) + 1
     beside = gaps.min(axis=1)
     moving = np.flatnonzero(np.diff(t) > 0.0)
@@ -286,11 +326,81 @@ def _follow_samples(
         size_on_belt = np.max(np.abs(on_belt.defects) / scales[either], axis=1)
         # On a belt both agree up to rounding: then it is on the belt.
         better = ~(size_on_belt > size * (1.0 + 1e-6) + EPS)
+        if K.belt1.E > 0.0 or K.belt2.E > 0.0:
+            sizes = np.max(np.abs(defects) / scales, axis=1)
+            _, last_modes = modes
+            _, last_on_belt = on_belt.modes
+            both_last = (last_modes, last_on_belt)
+            _keep_held(K, v, either, better, both_last, (sizes, size_on_belt), before)
         chosen = either[better]
+        on[chosen] = closest[chosen]
         defects[chosen] = on_belt.defects[better]
         modes[:, chosen] = on_belt.modes[:, better]
         events = _merged(events, on_belt.events, chosen)
-    return FollowedSteps(defects, modes, events)
+    return FollowedSteps(defects, modes, on.astype(np.int8), events)
+
+
+def _keep_held(
+    K: Constants,
+    v: np.ndarray,
+    either: np.ndarray,
+    on_belt: np.ndarray,
+    last: tuple[np.ndarray, np.ndarray],
+    sizes: tuple[np.ndarray, np.ndarray],
+    before: int,
+) -> None:
+    """Mark in `on_belt` the steps `either` that begin on a belt because the step before ends there,
+    or on its other side.
+
+    `last` are the last modes of all steps if they begin as they are, and of the steps `either` if
+    they begin on the belt; `sizes` are their defects, in units of the allowed ones.
+    """
+    side = 1 + np.sum(v[either, None] > belt_speeds(K), axis=1)
+    ends = last[0].copy()  # 0 in steps in which no time passes
+    size = sizes[0].copy()
+    for row, i in enumerate(either.tolist()):
+        moving = np.flatnonzero(ends[max(0, i - 2) : i])
+        known = before if i == 0 else 0
+        if len(moving):
+            j = max(0, i - 2) + int(moving[-1])
+            known = int(ends[j]) if size[j] <= 1.0 else 0  # a wrong step shows nothing
+        if known and known != side[row]:
+            on_belt[row] = True
+        if on_belt[row]:
+            ends[i] = last[1][row]
+            size[i] = sizes[1][row]
+
+
+def spread_of_steps(steps: ExactSteps, chosen: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Return by how much exact motions differ at the ends of the steps `chosen`, in x and in v, if
+    they begin anywhere in a box about the sample.
+
+    `box` has the half-widths in x and v, a row for each of these steps. Motions from the corners
+    and the middles of the edges are followed. They begin on the side of the belt on which the
+    sample is, or on the belt; if the sample is on it, on the side on which the step before ends.
+    """
+    K = steps.K
+    pairs = np.column_stack([chosen, chosen + 1]).ravel()
+    samples = np.array([steps.t[pairs], steps.x[pairs], steps.v[pairs], steps.theta[pairs]])
+    begins = np.arange(0, len(pairs), 2)
+    at = steps.on[chosen].astype(int)
+    speeds = belt_speeds(K)
+    walls = np.array([-inf, *speeds, inf])
+    v = np.where(at > 0, speeds[at - 1], steps.v[chosen])
+    before = np.where(chosen > 0, steps.last[chosen - 1], 0)
+    domain = np.where(at > 0, before - 1, np.sum(v[:, None] > speeds, axis=1))
+    is_free = (at == 0) | (before == at) | (before == at + 1)
+    domain = np.where(is_free, domain, 0)
+    largest = np.zeros((len(chosen), 2))
+    for along_x, along_v in BOX_POINTS:
+        moved = np.clip(v + along_v * box[:, 1], walls[domain], walls[domain + 1])
+        moved = np.where(is_free, moved, v)
+        samples[1, ::2] = steps.x[chosen] + along_x * box[:, 0]
+        samples[2, ::2] = moved
+        onto = np.where(np.isin(moved, speeds), 1 + np.searchsorted(speeds, moved), 0)
+        defects = follow_from(K, samples, begins, onto).defects
+        largest = np.fmax(largest, np.abs(defects - steps.defects[chosen]))
+    return largest
 
 
 def follow_from(
@@ -304,7 +414,7 @@ def follow_from(
     """
     t, x, v, theta = samples
     tau = t[steps + 1] - t[steps]
-    start_v = np.where(on > 0, np.array([K.belt1.v, K.belt2.v])[on - 1], v[steps])
+    start_v = np.where(on > 0, belt_speeds(K)[on - 1], v[steps])
     rows, _ = start_rows(on, (theta[steps], 0.0), x[steps], start_v, (0.0, 0.0, tau, 0.0, 0.0), K)
     modes = np.array([rows["mode"], rows["mode"]]).astype(np.int8)
     ends = np.empty((len(rows), 2))
@@ -320,10 +430,10 @@ def follow_from(
     origin = steps[busy[events.step]]
     events = events._replace(step=origin, t=t[origin] + events.t)
     next_samples = np.column_stack([x[steps + 1], v[steps + 1]])
-    return FollowedSteps(ends - next_samples, modes, events)
+    return FollowedSteps(ends - next_samples, modes, on, events)
 
 
-def phases(parameters: Parameters, t: Any) -> np.ndarray:
+def phases(parameters: Model, t: Any) -> np.ndarray:
     """Return the phases Omega t modulo 2 pi of an array of times of any size."""
     context = mp_context(60)
     Om = parameters.Omega
@@ -399,10 +509,12 @@ def _flights_stay(
     most_a = np.hypot(starts["Fb"], K.w0 * v) + abs(K.fB) * tau
     off = 0.125 * tau * tau * ((K.cm + K.w0) * most_a + abs(K.fB))
     off += CLEARANCE * (np.abs(v) + np.abs(end_v))
-    speeds = np.array([K.belt1.v, K.belt2.v])
+    speeds = belt_speeds(K)
     lower_walls = np.append(-np.inf, speeds + CLEARANCE * np.abs(speeds))
     upper_walls = np.append(speeds - CLEARANCE * np.abs(speeds), np.inf)
-    domain = np.minimum(starts["mode"].astype(int), 3)  # a row on a belt is no flight
+    domain = np.minimum(
+        starts["mode"].astype(int), len(lower_walls)
+    )  # a row on a belt is no flight
     stays = np.minimum(v, end_v) - off > lower_walls[domain - 1]
     stays &= np.maximum(v, end_v) + off < upper_walls[domain - 1]
     return np.asarray(stays)
@@ -473,16 +585,17 @@ def _ends(
     left = left.copy()
     lasts = np.flatnonzero(np.diff(events.step, append=-1))  # the last event of each step
     i = events.step[lasts]
-    belt = np.array([K.belt1.v, K.belt2.v])[events.boundary[lasts] - 1]
+    belt = belt_speeds(K)[events.boundary[lasts] - 1]
     theta[i] = events.theta[lasts]
     x[i] = events.x[lasts]
     v[i] = belt
     left[i] = left[i] - events.t[lasts]
-    # After a slip and a graze the acceleration begins with 0.
+    # After a graze the acceleration begins with 0, after a slip with E, up or down.
     A = np.array([K.A1, K.A2, K.A3, 0.0, 0.0])[modes[i] - 1]
+    jump = np.array([K.belt1.E, K.belt2.E])[events.boundary[lasts] - 1]
     a[i] = (events.kind[lasts] == CROSS) * acceleration(
         x[i], belt, np.cos(theta[i]), A, K.cm, K.w0sq, K.f0
-    )
+    ) + (events.kind[lasts] == SLIP) * np.where(modes[i] > events.boundary[lasts], jump, -jump)
     E0, E1, E2, R2, I2, _, _ = entire_array.basis(left, K)
     dx, dv, _ = motion(
         v, a, np.sin(theta), np.cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2

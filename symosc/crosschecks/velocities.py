@@ -27,8 +27,8 @@ from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
-from symosc.model import Parameters
-from symosc.scenes import STARTS, Scene, parameters_of
+from symosc.model import Model
+from symosc.scenes import STARTS, Scene, model_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
@@ -72,11 +72,11 @@ FLIGHT_ROWS = 3
 FEWEST_PAIRS = 20
 
 
-def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: float) -> Samples:
+def with_velocities(samples: Samples, scene: Scene | Model, tolerance: float) -> Samples:
     """Return samples that have positions alone with computed velocities, and bounds of their
     errors; ParameterError if the positions are too far apart in time to determine them.
     """
-    p = parameters_of(scene)
+    p = model_of(scene)
     K = Arithmetic(p).K._replace(sigmas=0.0)
     digits = find_digits(samples.x, samples.x[:1])
     rounded = np.zeros(len(samples.x)) if digits is None else digits.units
@@ -95,7 +95,7 @@ def with_velocities(samples: Samples, scene: Scene | Parameters, tolerance: floa
     return _filled(K, p, samples, computed, telling[left_out:])
 
 
-def _telling_samples(p: Parameters, t: np.ndarray) -> np.ndarray:
+def _telling_samples(p: Model, t: np.ndarray) -> np.ndarray:
     """Return the numbers of samples that are far enough apart in time for positions to tell a
     velocity.
     """
@@ -112,9 +112,7 @@ def _telling_samples(p: Parameters, t: np.ndarray) -> np.ndarray:
         chosen.append(after)
 
 
-def _filled(
-    K: Constants, p: Parameters, samples: Samples, few: Samples, telling: np.ndarray
-) -> Samples:
+def _filled(K: Constants, p: Model, samples: Samples, few: Samples, telling: np.ndarray) -> Samples:
     """Return samples with the velocities of `few`, which are those numbered `telling`, and between
     them.
 
@@ -151,7 +149,7 @@ def _filled(
 
 def _from_positions(
     samples: Samples,
-    scene: Scene | Parameters,
+    scene: Scene | Model,
     K: Constants,
     tolerance: float,
     rounded: np.ndarray,
@@ -159,7 +157,7 @@ def _from_positions(
     """Return samples, `rounded` to these units, with the velocities that neighbouring positions
     tell.
     """
-    p = parameters_of(scene)
+    p = model_of(scene)
     t = samples.t
     x = samples.x
     tau = np.diff(t)
@@ -177,7 +175,7 @@ def _from_positions(
         noise = tolerance * size
     noise += 8.0 * float(np.spacing(size))
     # A step that moves as far as a belt can be a stick; both its ends have the belt's velocity.
-    belts = np.array([[K.belt1.v], [K.belt2.v]])
+    belts = np.array([[float(belt.v)] for belt in p.law.belts])
     errors_x = noise + rounded
     keeps_up = np.abs(np.diff(x) - belts * tau) <= errors_x[:-1] + errors_x[1:]
     held = np.where(keeps_up & (tau > 0.0), belts, np.nan)
@@ -224,7 +222,7 @@ def _errors_per_x(tau: np.ndarray) -> np.ndarray:
 
 
 def _fit_motion(
-    samples: Samples, scene: Scene | Parameters, half: np.ndarray, off: float, telling: np.ndarray
+    samples: Samples, scene: Scene | Model, half: np.ndarray, off: float, telling: np.ndarray
 ) -> Samples | None:
     """Return samples with the velocities of one exact motion through all positions.
 
@@ -235,10 +233,7 @@ def _fit_motion(
     """
     t = samples.t
     x = samples.x
-    if isinstance(scene, Parameters):
-        p = scene
-    else:
-        p = scene.parameters
+    p = model_of(scene)
     digits = find_digits(t, t[:1])
     if digits is None:
         clock = np.zeros(len(t))
@@ -278,7 +273,7 @@ def _fit_motion(
     return replace(samples, v=v, v_off=half, notes=(*samples.notes, NOTE_OF_ROUNDED))
 
 
-def _motion(scene: Scene | Parameters, t_end: float, *start: float) -> Trajectory | None:
+def _motion(scene: Scene | Model, t_end: float, *start: float) -> Trajectory | None:
     """Return the exact motion of a scene, or from a start t0, x0, v0.
 
     None if the model does not allow it.
@@ -296,7 +291,7 @@ def _passes(scene: Scene, t: float, x: float, off: float) -> bool:
     return motion is not None and bool(motion.t_end >= t and abs(motion(t)[0] - x) <= off)
 
 
-def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
+def _first_guesses(p: Model, t: np.ndarray, x: np.ndarray) -> list[float]:
     """Return initial velocities with which the exact motion is nearest to the first positions, best
     first.
     """
@@ -310,7 +305,7 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
     chords = np.diff(x[:count])[moving] / np.diff(tau)[moving]
     # A belt that is much faster than all steps is not met in them.
     fastest = 2.0 * float(np.max(np.abs(chords)))
-    speeds = [speed for speed in (float(p.v1), float(p.v2)) if abs(speed) <= 10.0 * fastest]
+    speeds = [float(belt.v) for belt in p.law.belts if abs(float(belt.v)) <= 10.0 * fastest]
     most = fastest + sum(map(abs, speeds))
 
     def misses(v0: float) -> float:
@@ -326,7 +321,7 @@ def _first_guesses(p: Parameters, t: np.ndarray, x: np.ndarray) -> list[float]:
 
 
 def _fitted(
-    p: Parameters, t: np.ndarray, x: np.ndarray, v0: float, misfit: Callable[..., float]
+    p: Model, t: np.ndarray, x: np.ndarray, v0: float, misfit: Callable[..., float]
 ) -> Trajectory | None:
     """Fit a start to positions, from the velocity `v0` and over longer and longer times.
 
@@ -367,12 +362,12 @@ def _fitted(
 
 
 def _is_start(
-    scene: Scene | Parameters, samples: Samples, off: float, clock: float = 0.0
+    scene: Scene | Model, samples: Samples, off: float, clock: float = 0.0
 ) -> TypeGuard[Scene]:
     """Return whether the first sample is the scene's start, up to an error `off` of x and `clock`
     of t.
     """
-    if isinstance(scene, Parameters):
+    if not isinstance(scene, Scene):
         return False
     near = abs(float(scene.x0) - float(samples.x[0])) <= off + abs(float(scene.v0)) * clock
     return near and bool(np.isclose(samples.t[0], float(scene.t0), rtol=1e-14, atol=1e-14 + clock))

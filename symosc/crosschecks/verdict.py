@@ -28,17 +28,21 @@ from symosc.crosschecks.faults import Fault, explain
 from symosc.crosschecks.reading.functions import dense_note
 from symosc.crosschecks.rounding import Digits, find_rounding
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, check_joints, fastest_rate
+from symosc.crosschecks.separation import Separation, separation_at, separation_note
 from symosc.crosschecks.steps import (
+    ExactSteps,
     double_rounding,
     follow_steps,
+    has_static,
     propagated,
     push_bound,
     sample_errors,
+    spread_of_steps,
 )
 from symosc.crosschecks.time_tolerances import TimeTolerances
 from symosc.crosschecks.velocities import with_velocities
-from symosc.model import Parameters
-from symosc.scenes import STARTS, Scene, parameters_of
+from symosc.model import Model
+from symosc.scenes import STARTS, Scene, model_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event, Trajectory
 
@@ -64,6 +68,8 @@ LARGEST_LIMIT = 0.01
 # That of rounded samples is so many last places, or so many tolerances where that is more.
 LIMIT_IN_PLACES = 5.0
 LIMIT_IN_TOLERANCES = 100.0
+# So often the exact motion is begun again where neighbours move apart.
+MOST_SEPARATIONS = 1_000
 # Reasons of wrong steps that have nothing to do with a belt.
 WITHOUT_BELT = ("local error", "outlier")
 
@@ -73,7 +79,7 @@ class CheckTask:
     """A solution to judge, and the scene and tolerances to compare it with."""
 
     samples: Samples
-    scene: Scene | Parameters
+    scene: Scene | Model
     tolerance: float
     given_limit: float | None
     own_start: bool
@@ -81,9 +87,9 @@ class CheckTask:
     rounding: dict[str, Digits] = field(default_factory=dict)  # of the samples, once found
 
     @property
-    def parameters(self) -> Parameters:
+    def parameters(self) -> Model:
         """The parameters of the exact motion."""
-        return parameters_of(self.scene)
+        return model_of(self.scene)
 
     @property
     def limit(self) -> float:
@@ -174,7 +180,7 @@ class Verdict:
     def own_start(self) -> tuple[float, float, float] | None:
         """Where the scene starts; None if Parameters were given."""
         scene = self._task.scene
-        if isinstance(scene, Parameters):
+        if not isinstance(scene, Scene):
             return None
         return float(scene.t0), float(scene.x0), float(scene.v0)
 
@@ -236,8 +242,8 @@ def _prepared(task: CheckTask) -> CheckTask:
     if samples.lacks_v:
         samples = with_velocities(samples, task.scene, task.tolerance)
     p = task.parameters
-    t0 = None if isinstance(task.scene, Parameters) else float(task.scene.t0)
-    rounding = find_rounding(samples, (float(p.v1), float(p.v2)), t0)
+    t0 = float(task.scene.t0) if isinstance(task.scene, Scene) else None
+    rounding = find_rounding(samples, [float(belt.v) for belt in p.law.belts], t0)
     return replace(task, samples=samples, rounding=rounding)
 
 
@@ -352,7 +358,7 @@ def _start(task: CheckTask, loose: np.ndarray, rounding: np.ndarray) -> Solution
     rate = fastest_rate(task.parameters)
     first = np.array([samples.t[0], samples.x[0], samples.v[0]])
     start = dict(zip(STARTS, first.tolist(), strict=True))
-    if isinstance(scene, Parameters):
+    if not isinstance(scene, Scene):
         return SolutionStart(start)
     own = np.array([float(scene.t0), float(scene.x0), float(scene.v0)])
     own_t, own_x, own_v = own
@@ -391,7 +397,7 @@ def _early_end(task: CheckTask, trajectory: Trajectory) -> str:
     """Return a note if the solution ends before the motion does, else ""."""
     scene = task.scene
     t = task.samples.t
-    if isinstance(scene, Parameters) or trajectory.status == "equilibrium":
+    if not isinstance(scene, Scene) or trajectory.status == "equilibrium":
         return ""
     last = float(t[-1])
     t_end = float(scene.t_end)
@@ -421,8 +427,12 @@ class Comparison:
         self.rounding = rounding
         self.listed = listed
         self.loose = sample_errors(task.parameters, task.samples, rounding)
+        self.contracts = not has_static(task.parameters)
         self._compare_states()  # sets start, trajectory, until, scales, errors and limits
         self._compare_steps()  # sets near, allowed, steps, wrong and spans
+        self.separations = list[Separation]()
+        if not self.contracts:
+            self._follow_separations()
 
     def _compare_states(self) -> None:
         """Compute the exact motion and the global errors, NaN after its end."""
@@ -450,8 +460,51 @@ class Comparison:
         moved = propagated(p, self.loose[:-1], np.diff(samples.t))
         self.allowed = allowed + self.loose[1:] + moved
         self.steps = follow_steps(p, samples.t, samples.x, samples.v, self.near, self.allowed)
-        self.wrong = _are_wrong(self.steps.defects, self.allowed)
+        self.wrong = self._wrong_steps(
+            self.steps, self.allowed, self.loose[:-1] + tolerance * self.scales
+        )
         self.spans = self._wrong_spans()
+
+    def _wrong_steps(self, steps: ExactSteps, allowed: np.ndarray, box: np.ndarray) -> np.ndarray:
+        """Return which steps are wrong.
+
+        With static friction add to `allowed`, for steps near a belt that seem to be, what the
+        exact motion makes of an error of the sample before; `box` are the largest such errors.
+        """
+        wrong = _are_wrong(steps.defects, allowed)
+        if not self.contracts:
+            doubted = np.flatnonzero(wrong & (np.diff(steps.t) > 0.0) & steps.may_meet_belts(box))
+            allowed[doubted] += spread_of_steps(steps, doubted, box[doubted])
+            wrong = _are_wrong(steps.defects, allowed)
+        return wrong
+
+    def _follow_separations(self) -> None:
+        """Go on with the exact motion from a sample where the solution moves away from that from
+        the start as its neighbours do.
+
+        Sets separations; changes errors and, at the first one, trajectory and until.
+        """
+        samples = self.task.samples
+        motion = self.trajectory
+        since = 0
+        while len(self.separations) < MOST_SEPARATIONS:
+            beyond = np.any(np.abs(self.errors) > self.limits, axis=1)
+            beyond[:since] = False
+            if not beyond.any() or self.wrong[: int(np.argmax(beyond))].any():
+                return
+            found = separation_at(self, motion, since, int(np.argmax(beyond)))
+            if found is None:
+                return
+            if not self.separations:
+                self.trajectory = self.task.motion(found.until, self.start.numbers)
+                self.until = float(self.trajectory.t_end)
+            self.separations.append(found)
+            since = found.sample + 1
+            motion = self.task.motion(float(samples.t[-1]), found.start)
+            there = np.flatnonzero(samples.t[since:] <= float(motion.t_end)) + since
+            self.errors[since:] = np.nan
+            exact = motion(samples.t[there]).T
+            self.errors[there] = np.column_stack([samples.x, samples.v])[there] - exact
 
     @property
     def is_close(self) -> bool:
@@ -475,6 +528,8 @@ class Comparison:
             limits_of_rounded = np.minimum(limits, np.maximum(places, tolerated))
             limits = np.where(places > 0.0, limits_of_rounded, limits)
         since = task.samples.t - task.samples.t[0]
+        if not self.contracts:  # how rounding grows is asked where a sample is beyond its limit
+            return np.asarray(limits + loose + np.zeros((len(since), 2)))
         return np.asarray(limits + loose + propagated(task.parameters, loose[0], since))
 
     def _wrong_spans(self) -> np.ndarray:
@@ -495,9 +550,11 @@ class Comparison:
             ends = _every(length, count)
             t = samples.t[ends]
             added = np.minimum(np.diff(ends)[:, None] * task.tolerance, task.limit) * self.scales
+            box = self.loose[ends[:-1]] + added
             allowed = double_rounding(p, t, self.scales) + self.loose[ends[1:]]
-            allowed = allowed + propagated(p, self.loose[ends[:-1]] + added, np.diff(t))
+            allowed = allowed + propagated(p, box, np.diff(t))
             over = follow_steps(p, t, samples.x[ends], samples.v[ends], self.near[ends], allowed)
+            self._wrong_steps(over, allowed, box)
             wrong = np.flatnonzero(np.max(np.abs(over.defects) / allowed, axis=1) > 1.0)
             # The number of wrong spans times their share of all.
             if len(wrong) ** 2 > most * len(t):
@@ -574,7 +631,7 @@ class Comparison:
         ends_late = False
         if pairs:
             last_time, _ = pairs[-1]
-            ends_late = last_time >= self.until - span
+            ends_late = last_time >= self.until - span and not self.separations
         if self.trajectory.status == "t_end" and ends_late:
             longer = self.task.motion(self.until + span, self.start.numbers)
             exact += longer.events[len(exact) :]
@@ -617,7 +674,9 @@ class Comparison:
             is_allowed = np.any(self.rounding) or np.any(self.listed)
             at_it = "; they are judged at that precision" if is_allowed else ""
             notes.append(f"the samples are rounded: {', '.join(texts)}{at_it}")
-        if self.until < samples.t[-1]:
+        if self.separations:
+            notes.append(separation_note(self.separations, self.until))
+        elif self.until < samples.t[-1]:
             ends = f"the exact motion ends at t = {self.until:.10g} ({self.trajectory.message})"
             notes.append(f"{ends}; later only steps are compared")
         if samples.dense is not None:

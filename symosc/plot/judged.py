@@ -139,7 +139,7 @@ def _velocity(ax: Axes, check: CrossCheck) -> None:
     low = float(np.min(check.v))
     high = float(np.max(check.v))
     p = check.trajectory.parameters
-    draw_belts(ax, (p.v1, p.v2), 2 * low - high, 2 * high - low)
+    draw_belts(ax, (belt.v for belt in p.law.belts), 2 * low - high, 2 * high - low)
 
 
 @public
@@ -320,7 +320,7 @@ def _step_panel(ax: Axes, check: CrossCheck, step: int, of_velocity: bool) -> No
     low = float(np.min(shown_values)) - margin
     high = float(np.max(shown_values)) + margin
     if of_velocity:
-        draw_belts(ax, (p.v1, p.v2), low, high)
+        draw_belts(ax, (belt.v for belt in p.law.belts), low, high)
     for number, event in enumerate(events):
         ax.axvline(
             float(event.t), color="0.6", lw=0.9, zorder=0, label="" if number else "exact event"

@@ -12,12 +12,12 @@ import numpy as np
 from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import unmasked
 from symosc.crosschecks.samples import checked, fastest_rate
-from symosc.model import Parameters
-from symosc.scenes import Scene, parameters_of
+from symosc.model import Model
+from symosc.scenes import Scene, model_of
 from symosc.simulation.trajectory import Trajectory
 
 #: The problem that a function or a solver solves; None if it is not known.
-Problem = Scene | Parameters | None
+Problem = Scene | Model | None
 #: Times at which a function is asked: at least, at most, and in the shorter one of the periods of
 #: the drive and the free motion.
 LEAST_TIMES = 1_000
@@ -25,7 +25,7 @@ MOST_TIMES = 200_000
 TIMES_PER_PERIOD = 200
 
 
-def even_times(t0: float, t_end: float, p: Parameters) -> np.ndarray:
+def even_times(t0: float, t_end: float, p: Model) -> np.ndarray:
     """Return evenly spaced times that resolve the shorter period of the drive and the free
     motion.
     """
@@ -50,7 +50,7 @@ def times_for(function: Callable[..., Any], problem: Problem) -> np.ndarray:
         )
         name = getattr(function, "__name__", type(function).__name__)
         raise ParameterError("function", name, what)
-    times = even_times(float(ends[0]), float(ends[1]), parameters_of(problem))
+    times = even_times(float(ends[0]), float(ends[1]), model_of(problem))
     nodes = getattr(function, "ts", None)
     if nodes is None:
         return times

@@ -13,7 +13,7 @@ from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import unmasked
 from symosc.crosschecks.reading.functions import Problem
 from symosc.crosschecks.samples import Samples, fastest_rate
-from symosc.model import Parameters
+from symosc.model import Model
 from symosc.scenes import parameters_of
 
 # Two functions that vanish together, such as an event that ends a piece, find one event: their
@@ -117,13 +117,13 @@ def _lists_of_matlab(columns: Mapping[str, Any]) -> tuple[list[Any], list[Any] |
 
 
 def _are_at_belts(
-    p: Parameters, samples: Samples, times: Sequence[float], speeds: Sequence[float] | None
+    p: Model, samples: Samples, times: Sequence[float], speeds: Sequence[float] | None
 ) -> bool:
     """Return whether v is the speed of a belt at all times.
 
     Without `speeds`, of the samples around them.
     """
-    belts = np.array([[float(p.v1)], [float(p.v2)]])
+    belts = np.array([[float(belt.v)] for belt in p.law.belts])
     largest = 0.0 if samples.lacks_v else float(np.max(np.abs(samples.v)))
     if speeds is None:
         if samples.lacks_v:
