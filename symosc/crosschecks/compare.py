@@ -67,8 +67,8 @@ def crosscheck(
     ----------
     scene : Scene, str, Parameters or Oscillator
         With a scene the solution has to start where the scene does, or on its motion later, and to
-        go on to its `t_end`. With Parameters, or an
-        Oscillator, it starts at the first sample and may end anywhere.
+        go on to its `t_end`. With Parameters, or an Oscillator, it starts at the first sample and
+        may end anywhere.
     t, x, v : array_like, shape (n,)
         Times, which may come twice where two pieces are joined, positions and velocities. Without
         `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v), or a
@@ -109,6 +109,18 @@ def crosscheck(
     Returns
     -------
     CrossCheck, or CrossChecks (a list of these) for several solutions
+
+    Notes
+    -----
+    With static friction errors may grow, and no solver stays near a chaotic motion for long. Every
+    step is judged, against the exact motion from its first sample; a mass that a belt holds may not
+    leave it by an error that is within the tolerance. Events, and the global error, are judged
+    against the exact motion from the start until the solution's own error has grown: where exact
+    motions that begin as near to an earlier sample move apart as far as the solution does, the exact
+    motion from that sample takes the place of the first one, and a note says so. Errors that add up
+    without growing remain faults, and so does another decision at a contact that the solution met
+    within the tolerance of a step, such as a flight that goes on where the exact motion touches a
+    belt and sticks.
 
     Raises
     ------

@@ -85,7 +85,8 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
     first_switching : Fault or None
         The first wrong step at a belt: its reason is more than a local error.
     compared_until : float
-        Where the exact motion ends: the last sample, or earlier if its status is "undecidable".
+        Where the exact motion ends: the last sample, or earlier if its status is "undecidable", or
+        if static friction has driven the solution away from it.
     tolerance, global_tolerance : float
     scales : tuple of two floats
         Units of x and v for the tolerances: the largest of the exact motion.
