@@ -24,4 +24,5 @@ CHAPTERS = {
     "codimension": "points of codimension two",
     "errata": "errors and gaps of the paper",
     "certificates": "why each kind of certificate proves what it says",
+    "static_friction": "static friction above kinetic friction, and which theorems remain",
 }
