@@ -17,9 +17,11 @@ ABSTRACT = (
     r"a belt's speed, sticks and their two ends, the mappings between the switching planes and "
     r"their derivatives, grazing with all of its cases, an event search that misses nothing, the "
     r"one periodic motion that attracts, why there is no chaos, what motions do without a damper, "
-    r"and where the word of a motion changes: the maps, the multipliers and all points of "
-    r"codimension two. It restates, proves and where needed corrects what is in the paper "
-    r"\cite{chen2016}: " + paper_reference(r"\emph{{{}}}", "~", "--") + "."
+    r"where the word of a motion changes: the maps, the multipliers and all points of "
+    r"codimension two, and what static friction above kinetic friction changes. It restates, "
+    r"proves and where needed corrects what is in the paper \cite{chen2016}: "
+    + paper_reference(r"\emph{{{}}}", "~", "--")
+    + "."
 )
 LEGEND = (
     "Each displayed formula was checked by machine before it was printed, and the letter behind "
@@ -172,6 +174,9 @@ $u$, $q$, $h$, $d$, $e$, $t_2$, $p$, $\epsilon_1$, $\epsilon_2$ & at points of c
 $f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs by balls, each
   defined where it
   stands: maps, boxes and matrices, helpers, points, periods & Chapter~\ref{sec:certificates} \\
+$\mu_{s\lambda}$, $E$, $\tau_e$, $\tau_f$, $\tau_s$, $g_*$, $s$, $f$, $V$, $a$, $R$ & with static
+  friction: its coefficient, its excess over kinetic friction, durations of sticks and flights, a
+  bound, the numbers of the stick-slip cycle & Chapter~\ref{sec:static_friction} \\
 """
 NOTATION = [
     tuple(part.strip() for part in row.split("&"))

@@ -213,7 +213,7 @@ def _grazes() -> Items:
     flown = named(r"\ddot{x}(t) + x(t)")
     drive = sp.Rational(1, 2) + sp.Rational(3, 2) * (1 - missed) * sp.cos(t / 2)
     moving = named(r"\dot{x}(t)")
-    held = named(r"F_s(\tau)")
+    held = named(r"F_{s}(\tau)")
     # On the belt from t = 3 pi on: the drive and the spring; the belt runs with the speed 1.
     on_belt = (
         sp.expand_trig(sp.Rational(3, 2) * sp.cos((3 * sp.pi + tau) / 2)) - sp.Rational(1, 2) - tau
@@ -332,15 +332,15 @@ def _first_slip_by_bisection() -> Any:
 
 def _counts() -> Items:
     """Return the items on the least duration of a flight."""
-    bend = named(r"\dddot{x}")
+    bend = named(r"\ddot{g}")
     pull = named(r"\ddot{x}")
     path = sp.Function("x")(t)
     law = solution.in_paper_letters(solution.acceleration(path, path.diff(t), Omega * t)).diff(t)
     third = law.subs(path.diff(t, 2), pull).subs(path.diff(t), v).subs(Omega * t, theta)
     bound = sp.Symbol("M", positive=True)
     least = EXCESS * tau - bound * tau**2 / 2
-    gap = named(r"g_{\min}")
-    zero = named(r"g_{\min}(2E/M)")
+    gap = named("g_*")
+    zero = named("g_*(2E/M)")
     integral = sp.integrate(EXCESS - bound * t, (t, 0, tau))
     return (
         r"\subsection{Events do not accumulate}",
@@ -351,14 +351,15 @@ def _counts() -> Items:
         r"v_\lambda|/a$.\end{theorem}",
         r"\begin{proof} Behind a slip $|\ddot{x}| = E$ by \eqref{eq:static_friction-start}, and "
         r"where the mass passes the belt $|\ddot{x}| \ge E$ by "
-        r"Theorem~\ref{thm:static_friction-cases}. During the flight",
+        r"Theorem~\ref{thm:static_friction-cases}. During the flight the gap $g = \dot{x} - "
+        r"v_\lambda$ has",
         equation(
             bend,
             -(c * pull + k * v + B0 * Omega * sp.sin(theta)) / m,
             {bend: third},
             "bend",
         ),
-        r"is at most $M$ in size. So at $\tau$ after the start $|\dot{x} - v_\lambda|$ is at least",
+        r"which is at most $M$ in size. So at $\tau$ after the start $|g|$ is at least",
         equation(gap, least, exact({gap: integral}), "least"),
         r"which is positive up to its second zero,",
         equation(zero, 0, exact({zero: least.subs(tau, 2 * EXCESS / bound)})),
@@ -382,7 +383,7 @@ def _unique() -> Items:
     path = named("x(t)")
     moving = named(r"\dot{x}(t)")
     start = named(r"\ddot{x}(0)")
-    held = named("F_s(t)")
+    held = named(r"F_{s}(t)")
     # kinetic friction -1/2 above the belt, and the drive cos(t)/2
     drive = -sp.Rational(1, 2) + sp.cos(t) / 2
     return (
@@ -636,7 +637,7 @@ def _what_remains() -> Items:
     energy = named(r"\dot{W}")
     meaning = {energy: m * rate * bend + k * y * rate, bend: (forces - c * rate - k * y) / m}
     excess = named(r"T - \tilde{T}")
-    held = sp.Symbol("T", nonnegative=True)
+    less = sp.Symbol("q", nonnegative=True)
     rest = KINETIC / SPRING
     still = named(r"F^{(1)}")
     return (
@@ -648,24 +649,11 @@ def _what_remains() -> Items:
         r"which is at most $-c\dot{y}^2 + \sum_\lambda (s_\lambda - "
         r"f_\lambda)|\dot{y}|$.\end{lemma}",
         r"\begin{proof} Take one belt. If both masses slide on it, or both stick, "
-        r"Lemma~\ref{thm:motion-monotone} holds. If the first sticks and the second is slower, the "
-        r"first has $T \ge -s$ and the second $\tilde{T} = f$, and both are divided by",
-        step(
-            excess,
-            ">=",
-            -HOLDING - KINETIC,
-            sign({excess: held - HOLDING - KINETIC}),
-            note=r"at the least,",
-        ),
-        step(
-            excess,
-            "<=",
-            HOLDING - KINETIC,
-            sign({excess: HOLDING - held - KINETIC}),
-            note=r"at the most,",
-        ),
-        r"while $\dot{y} > 0$: the work is at most $(s - f)|\dot{y}|$. The case of a faster mass is "
-        r"the mirror image, and belts add.\end{proof}",
+        r"Lemma~\ref{thm:motion-monotone} holds. If the first sticks and the second is slower, then "
+        r"$T \le s$ and $\tilde{T} = f$, so that",
+        step(excess, "<=", HOLDING - KINETIC, sign({excess: HOLDING - less - KINETIC}), "excess"),
+        r"while $\dot{y} > 0$: the work is at most $(s - f)|\dot{y}|$. The other cases are mirror "
+        r"images, and belts add.\end{proof}",
         r"\begin{example}[two attracting motions]\label{thm:static_friction-two} In "
         r"Theorem~\ref{thm:static_friction-cycle} the position $x = f/k$ at rest is a motion too, "
         r"since there",
@@ -676,8 +664,10 @@ def _what_remains() -> Items:
         ),
         r"It never meets the belt, nor do the free oscillations about it with velocities below "
         r"$V$. So a rest and a stick-slip cycle exist side by side, whose distance neither grows "
-        r"nor shrinks in the long run. With a small damper both attract their neighbours, and "
-        r"which of them a motion tends to depends on its start.\end{example}",
+        r"nor shrinks in the long run. With a small damper the rest attracts its neighbours, and so "
+        r"does the cycle: its flight still comes back to the belt, where the mass sticks, and from "
+        r"the place of the slip on all motions are one. So a motion tends to one or the other, "
+        r"depending on its start.\end{example}",
         r"Table~\ref{tab:static_friction-theorems} lists what follows. Everything that rests on "
         r"single flights, sticks and events remains; everything that rests on \eqref{eq:motion-energy} "
         r"and Lemma~\ref{thm:motion-monotone} falls as soon as one belt has $E > 0$.",
