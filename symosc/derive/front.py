@@ -174,8 +174,9 @@ $u$, $q$, $h$, $d$, $e$, $t_2$, $p$, $\epsilon_1$, $\epsilon_2$ & at points of c
 $f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs by balls, each
   defined where it
   stands: maps, boxes and matrices, helpers, points, periods & Chapter~\ref{sec:certificates} \\
-$\mu_{s\lambda}$, $E$, $\tau_e$, $\tau_f$, $\tau_s$, $g_*$, $s$, $f$, $V$, $a$, $R$ & with static
-  friction: its coefficient, its excess over kinetic friction, durations of sticks and flights, a
+$\mu_{s\lambda}$, $E$, $F_s$, $\dot{F}_{s\lambda}$, $\ddot{x}^{+}$, $\tau_e$, $\tau_f$, $\tau_s$, $g_*$,
+  $s$, $f$, $V$, $a$, $R$ & with static friction: its coefficient, its excess over kinetic friction,
+  a needed force and its rate, an acceleration behind an event, durations of sticks and flights, a
   bound, the numbers of the stick-slip cycle & Chapter~\ref{sec:static_friction} \\
 """
 NOTATION = [

@@ -14,7 +14,7 @@ from step_mutants import broken_once, mutations
 
 from chapters import unchecked_items
 from symosc.derive import document
-from symosc.derive.chapters import CHAPTERS, borders, domains, events, maps, switching
+from symosc.derive.chapters import CHAPTERS, borders, domains, events, maps, static_friction, switching
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Step, StepError, equation, exact, facts, flat, steps_of
 from symosc.symbolic import solution
@@ -86,6 +86,9 @@ def steps_with(module: ModuleType, label: str) -> list[Step]:
             (borders, "jump = -2 *", "jump = -3 *", "other"),
             (events, "sp.factorial(n)", "sp.factorial(n + 1)", "p"),
             (events, "LETTER_A * Omega**3", "LETTER_A * Omega**2", "pushed"),
+            (static_friction, "SIDE * EXCESS * late,", "-SIDE * EXCESS * late,", "saltation"),
+            (static_friction, "least = EXCESS * tau -", "least = EXCESS * tau +", "least"),
+            (static_friction, "second = -B0 * Omega**2", "second = -B0 * Omega", "length"),
         )
     ],
 )

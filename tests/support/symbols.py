@@ -13,7 +13,7 @@ from symosc.derive.front import NOTATION
 #: Symbols that rows of the table stand for besides those that are listed, such as others with an
 #: index.
 INDEXED = re.compile(
-    r"v_(?:[12]|\\lambda'|\\lambda\^\{\\pm\})|\\mu_(?:[12]|3-\\lambda)|"
+    r"\\mu_s[12]|v_(?:[12]|\\lambda'|\\lambda\^\{\\pm\})|\\mu_(?:[12]|3-\\lambda)|"
     r"T_[12]|"
     r"\\Omega_(?:[123]|\\lambda|\\lambda\+1|12|23)|"
     r"A_[123]|"
@@ -45,7 +45,7 @@ INDEXED = re.compile(
 #: What every reader knows: numbers, operations, functions, letters that only count, and signs.
 KNOWN = re.compile(
     r"e|i|j|n|d|\\pi|s|z|\\epsilon|I|\\infty|\\mathbb\{R\}(?:\^\{?n\}?)?|T|w|\\ell"
-    r"|\\(?:sin|cos|tan|sinh|cosh|coth|arcsin|ln|det|lim|limsup|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
+    r"|\\(?:sin|cos|tan|sinh|cosh|coth|arcsin|arctan|ln|det|lim|limsup|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
 )
 #: Commands that are no symbols: spaces, brackets, relations, layout.
 SILENT = (

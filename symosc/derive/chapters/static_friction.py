@@ -78,6 +78,7 @@ def _law(scope: Scope) -> Items:
     """Return the items on the law, and on what happens at the speed of a belt."""
     below = F(LOWER) + EXCESS
     above = F(UPPER) - EXCESS
+    apart = named(r"(F^{(\lambda)} + E) - (F^{(\lambda+1)} - E)")
     checks = []
     jumps = []
     for belt in scope.boundaries:
@@ -85,7 +86,7 @@ def _law(scope: Scope) -> Items:
         excess = (STATICS[belt] - MU[belt]) * FN / m
         names = {F(LOWER): lower, F(UPPER): upper, EXCESS: excess, STATIC: STATICS[belt]}
         checks.append(exact({HELD: stick_force(belt), **names}))
-        jumps.append(exact({JUMP: 2 * MU[belt] * FN / m, **names}))
+        jumps.append(exact({apart: below - above, JUMP: 2 * MU[belt] * FN / m, **names}))
     needed = cases(*checks)
     excess = (STATIC - mu_lambda) * FN / m
     return (
@@ -97,7 +98,7 @@ def _law(scope: Scope) -> Items:
         r"be the excess of static over kinetic friction per mass, each belt its own. As before $J = "
         r"2\mu_\lambda F_N/m$. For $E = 0$ everything below is what the other chapters state.",
         r"\begin{definition}[static friction]\label{thm:static_friction-law} While $\dot{x} \ne "
-        r"v_\lambda$, belt $\lambda$ exerts the kinetic friction $T_\lambda = \mp\mu_\lambda F_N$ on "
+        r"v_\lambda$, belt $\lambda$ exerts the kinetic friction $|T_\lambda| = \mu_\lambda F_N$ on "
         r"the mass, against its sliding. While the mass sticks to it, $T_\lambda$ is whatever is "
         r"needed, up to $|T_\lambda| \le \mu_{s\lambda} F_N$. A \emph{motion} consists of flights "
         r"and sticks and has a continuous velocity. Where its velocity is that of a belt, it sticks "
@@ -112,7 +113,7 @@ def _law(scope: Scope) -> Items:
         r"$F^{(\lambda)}$, $F^{(\lambda+1)}$ with kinetic friction,",
         equation(m * below, HELD + STATIC * FN, needed, "below"),
         equation(m * above, HELD - STATIC * FN, needed, "above"),
-        equation(below - above, JUMP + 2 * EXCESS, cases(*jumps), "difference"),
+        equation(apart, JUMP + 2 * EXCESS, cases(*jumps), "difference"),
         r"so that $|F_{s\lambda}| \le \mu_{s\lambda} F_N$ iff $F^{(\lambda)} + E \ge 0 \ge "
         r"F^{(\lambda+1)} - E$.\end{lemma}",
         r"\begin{proof} By \eqref{eq:motion-held-sides} $m F^{(\lambda)} = F_{s\lambda} + "
@@ -345,8 +346,8 @@ def _counts() -> Items:
     third = law.subs(path.diff(t, 2), pull).subs(path.diff(t), v).subs(Omega * t, theta)
     bound = sp.Symbol("M", positive=True)
     least = EXCESS * tau - bound * tau**2 / 2
-    gap = named("g_*")
-    zero = named("g_*(2E/M)")
+    gap = named(r"g_{*}(\tau)")
+    zero = named(r"g_{*}(2E/M)")
     integral = sp.integrate(EXCESS - bound * t, (t, 0, tau))
     return (
         r"\subsection{Events do not accumulate}",
@@ -649,11 +650,10 @@ def _what_remains() -> Items:
     return (
         r"\subsection{Which theorems remain}",
         r"\begin{lemma}[friction may push two motions apart]\label{thm:static_friction-energy} Let "
-        r"$y$ be the difference of two motions, $W = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$, and "
-        r"$s_\lambda - f_\lambda = (\mu_{s\lambda} - \mu_\lambda)F_N$. Then",
+        r"$y$ be the difference of two motions, $W = \frac{m}{2}\dot{y}^2 + \frac{k}{2}y^2$, and $s - "
+        r"f$ the sum of $(\mu_{s\lambda} - \mu_\lambda)F_N$ over the belts. Then",
         equation(energy, forces * rate - c * rate**2, meaning, "energy"),
-        r"which is at most $-c\dot{y}^2 + \sum_\lambda (s_\lambda - "
-        r"f_\lambda)|\dot{y}|$.\end{lemma}",
+        r"which is at most $-c\dot{y}^2 + (s - f)|\dot{y}|$.\end{lemma}",
         r"\begin{proof} Take one belt. If both masses slide on it, or both stick, "
         r"Lemma~\ref{thm:motion-monotone} holds. If the first sticks and the second is slower, then "
         r"$T \le s$ and $\tilde{T} = f$, so that",
