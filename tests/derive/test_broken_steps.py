@@ -14,7 +14,15 @@ from step_mutants import broken_once, mutations
 
 from chapters import unchecked_items
 from symosc.derive import document
-from symosc.derive.chapters import CHAPTERS, borders, domains, events, maps, static_friction, switching
+from symosc.derive.chapters import (
+    CHAPTERS,
+    borders,
+    domains,
+    events,
+    maps,
+    static_friction,
+    switching,
+)
 from symosc.derive.scope import Scope
 from symosc.derive.steps import Step, StepError, equation, exact, facts, flat, steps_of
 from symosc.symbolic import solution
