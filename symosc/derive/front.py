@@ -155,7 +155,7 @@ $A_n$, $B_n$ & points where borders meet & Proposition~\ref{thm:undamped-points}
 $F$, $x_f$, $x_0$, $p_0$, $q_0$, $d$ & with one belt at rest: friction, $F/k$, highest point, parts
   of
   the motion, a free oscillation & Proposition~\ref{thm:undamped-continuum} \\
-$\bar{x}$, $H$ & limit of a sequence of motions; a gap divided by a function without zeros &
+$\bar{x}$, $H$ & limit of a sequence of motions; a gap over one without zeros &
   Chapters~\ref{sec:codimension} and~\ref{sec:certificates} \\
 $r$, $U$, $J$, $N$, $F_*$ & rate of the force on a belt, force from below, jump of the force;
   changes of belt, a bound
@@ -174,10 +174,8 @@ $u$, $q$, $h$, $d$, $e$, $t_2$, $p$, $\epsilon_1$, $\epsilon_2$ & at points of c
 $f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs by balls, each
   defined where it
   stands: maps, boxes and matrices, helpers, points, periods & Chapter~\ref{sec:certificates} \\
-$\mu_{s\lambda}$, $E$, $F_s$, $\dot{F}_{s\lambda}$, $\ddot{x}^{+}$, $\tau_e$, $\tau_f$, $\tau_s$, $g_*$,
-  $s$, $f$, $V$, $a$, $R$ & with static friction: its coefficient, its excess over kinetic friction,
-  a needed force and its rate, an acceleration behind an event, durations of sticks and flights, a
-  bound, the numbers of the stick-slip cycle & Chapter~\ref{sec:static_friction} \\
+$\mu_{s\lambda}$, $E$, $\dot{F}_{s\lambda}$, $\tau_e$, $\tau_f$, $\tau_s$, $g_*$ & with static friction:
+  coefficient, excess, rate, times & Chapter~\ref{sec:static_friction} \\
 """
 NOTATION = [
     tuple(part.strip() for part in row.split("&"))

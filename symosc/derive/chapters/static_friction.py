@@ -152,7 +152,7 @@ def _slips(scope: Scope) -> Items:
             alpha = belt + (side > 0)
             left_at = newton(alpha).subs(v, BELTS[belt]).subs(_at_static_limit(belt, side))
             excess = (STATICS[belt] - MU[belt]) * FN / m
-            starts.append(exact({named(r"\ddot{x}^{+}"): left_at, SIDE: side, EXCESS: excess}))
+            starts.append(exact({named(r"\ddot{x}"): left_at, SIDE: side, EXCESS: excess}))
             rows.append(_exit_row(belt, side))
     return (
         r"\subsection{Slips}",
@@ -161,7 +161,7 @@ def _slips(scope: Scope) -> Items:
         r"mass goes into $\Omega_\lambda$; or at which $F^{(\lambda+1)} - E$ rises above 0, and "
         r"then it goes into $\Omega_{\lambda+1}$. With $\sigma = 1$ for an exit upward and $\sigma "
         r"= -1$ for one downward, the flight begins with the acceleration",
-        equation(named(r"\ddot{x}^{+}"), SIDE * EXCESS, cases(*starts), "start"),
+        equation(named(r"\ddot{x}"), SIDE * EXCESS, cases(*starts), "start"),
         r"while on the belt it was 0. The forces that decide change at the rate",
         equation(
             named(r"\dot{F}_{s\lambda}"),
@@ -217,7 +217,7 @@ def _grazes() -> Items:
     flown = named(r"\ddot{x}(t) + x(t)")
     drive = sp.Rational(1, 2) + sp.Rational(3, 2) * (1 - missed) * sp.cos(t / 2)
     moving = named(r"\dot{x}(t)")
-    held = named(r"F_{s}(\tau)")
+    held = named(r"F_{s\lambda}(\tau)")
     # On the belt from t = 3 pi on: the drive and the spring; the belt runs with the speed 1.
     on_belt = (
         sp.expand_trig(sp.Rational(3, 2) * sp.cos((3 * sp.pi + tau) / 2)) - sp.Rational(1, 2) - tau
@@ -390,7 +390,7 @@ def _unique() -> Items:
     path = named("x(t)")
     moving = named(r"\dot{x}(t)")
     start = named(r"\ddot{x}(0)")
-    held = named(r"F_{s}(t)")
+    held = named(r"F_{s\lambda}(t)")
     # kinetic friction -1/2 above the belt, and the drive cos(t)/2
     drive = -sp.Rational(1, 2) + sp.cos(t) / 2
     return (
