@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from functools import partial
 from os.path import exists
 from pathlib import Path
@@ -21,7 +22,7 @@ from symosc.base.files import STDOUT, check_new_folder, write_text
 from symosc.cli import options, output
 from symosc.cli.options import Text, flag, option
 from symosc.derive.chapters import CHAPTERS
-from symosc.scenes import load_scene
+from symosc.scenes import Scene, load_scene, parameters_of
 from symosc.symbolic.export import LANGUAGES
 
 FORMATS: Record = {"type": click.Choice(["latex", "html"]), "default": "latex"}
@@ -105,6 +106,18 @@ def derive(
     return _write_chapters(subject, scene, path, format, pdf)
 
 
+def _problem(scene: Text) -> Scene | None:
+    """Return the scene with this name or file, as one of the paper's two belts."""
+    if scene is None:
+        return None
+    problem = load_scene(scene)
+    # Chapters and fragments have letters for two belts with kinetic friction.
+    parameters = parameters_of(problem)
+    if parameters == problem.parameters:
+        return problem
+    return replace(problem, parameters=parameters)
+
+
 def _print_fragment(
     name: str,
     scene: Text,
@@ -122,10 +135,7 @@ def _print_fragment(
     from symosc.derive.steps import StepError
 
     numbers = options.read_settings(settings)
-    if scene is None:
-        problem = None
-    else:
-        problem = load_scene(scene)
+    problem = _problem(scene)
     scope = fragment_scope(numbers, problem, form or "entire", digits)
     with output.failing(StepError, "check failed: "):
         fragment = fragments.check_fragment(name, scope)
@@ -165,10 +175,7 @@ def _write_chapters(subject: str, scene: Text, path: Text, form: str, pdf: bool)
     check_new_folder(folder, "--output names a folder")  # before the work, which may take minutes
     if folder.suffix.lower() in FILES and not exists(folder):
         raise OutputError(str(folder), "is named like a file, and --output names a folder")
-    if scene is None:
-        problem = None
-    else:
-        problem = load_scene(scene)
+    problem = _problem(scene)
     if subject == "all":
         keys = [*CHAPTERS]
     else:

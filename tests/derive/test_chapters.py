@@ -20,6 +20,7 @@ from sympy.core.function import AppliedUndef
 
 from chapters import chapter, numbers, unchecked
 from symosc.base.errors import OutputError
+from symosc.cli.app import main
 from symosc.cli.derive import derive
 from symosc.derive import document
 from symosc.derive.chapters import CHAPTERS
@@ -28,7 +29,7 @@ from symosc.derive.front import NOTATION
 from symosc.derive.latex import lines
 from symosc.derive.scope import Scope
 from symosc.derive.steps import points
-from symosc.scenes import load_scene
+from symosc.scenes import as_toml, load_scene, load_template
 from symosc.symbolic.latex import latex
 
 COMMITTED = Path(__file__).parents[2] / "derivations"
@@ -235,3 +236,16 @@ def test_command(tmp_path: Path) -> None:
     assert (tmp_path / document.PAGE).read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
     printed = CliRunner().invoke(derive, ["sticks", "-o", "-"])
     assert printed.stdout == document.as_latex(chapter("sticks"), Scope())
+
+
+@pytest.mark.parametrize("subject", ["static_friction", "P1"])
+def test_a_scene_with_static_friction_is_refused_in_one_line(subject: str, tmp_path: Path) -> None:
+    """Chapters have letters for two belts with kinetic friction."""
+    scene = tmp_path / "mine.toml"
+    scene.write_text(as_toml(load_template("stick-slip")), encoding="utf-8")
+    result = CliRunner().invoke(main, ["derive", subject, "--scene", str(scene), "-o", "-"])
+    assert result.exit_code == 2
+    assert result.stderr.count("\n") == 1
+    assert (
+        "static friction of belt 1 (mu_s = 1 > mu = 0.5) cannot be followed here" in result.stderr
+    )
