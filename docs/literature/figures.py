@@ -1,21 +1,27 @@
 """The figures of docs/literature.md: formulas as lines, runs of symosc as points.
 
-`python docs/literature/figures.py` draws both anew.
+`python docs/literature/figures.py` draws all anew; names of files after it, only these.
 """
 
 from __future__ import annotations
 
 import io
 import re
+import sys
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import andronov_vitt_khaikin as belt_cycle
+import bossolini_brons_kristiansen as bossolini
+import csernak_licsko as chaos
+import iklodi_dombovari as branch
 import numpy as np
 from marino_cicirello import inversion, transmissibility, transmissibility_by_running
 from wall import Symmetric, find_border, wall
 
-from symosc import find_orbit, simulate, sweep
+from symosc import Belt, Oscillator, find_orbit, simulate, simulate_many, sweep
 from symosc.base.files import write_text
 
 if TYPE_CHECKING:
@@ -155,6 +161,60 @@ def maps() -> Figure:
     return fig
 
 
+def static() -> Figure:
+    """Return the figures of static friction."""
+    from matplotlib.figure import Figure
+
+    fig = Figure(figsize=(7, 5.6), layout="constrained")
+    (ends, diagram), (cycle, start) = fig.subplots(2, 2)
+    Omegas = np.linspace(0.55, 1.4, 60)
+    settled = [branch.settled(_short(Omega)) for Omega in Omegas]
+    highest = np.array([summary.x_max[0] for summary in settled])
+    stopping = np.array([summary.sticks[0] > 0 for summary in settled])
+    for chosen, marker, label in ((~stopping, "o", "no stops"), (stopping, "s", "2 stops")):
+        ends.plot(Omegas[chosen], highest[chosen], marker, color="0", mfc="1", ms=4, label=label)
+    borders = [branch.end_of_branch(without) for without, _ in branch.ENCLOSED]
+    grid = np.linspace(*(float(motion.Omega) for motion in borders), FINE)
+    heights = [float(Symmetric(1, _short(Omega), "0.1", "1.5").highest) for Omega in grid]
+    ends.plot(grid, heights, color="0", lw=1.2, label="formula")
+    for motion in borders:
+        ends.axvline(float(motion.Omega), color="0.6", lw=0.8, ls=":")
+    ends.set(xlabel=r"$\Omega$", ylabel="largest $x$", title="$P = 1.5$, $F = 1$, static 1.1")
+    S, _, Omega, _ = chaos.CHAOTIC[0]
+    limits = np.linspace(0.5, 1, 241)
+    period = 2 * np.pi / float(Omega)
+    numbers = {name: float(value) for name, value in chaos.oscillator(S, "1", Omega).numbers().items()}
+    sections = simulate_many(
+        numbers | {"mu_s1": limits},
+        (0, 0, 0),
+        160 * period,
+        skip=100 * period,
+        record=("section",),
+        sections=60,
+    ).section[:, :, 0]
+    diagram.plot(np.repeat(limits, 60), sections.ravel(), ",", color="0", rasterized=True)
+    diagram.axvline(float(chaos.CHAOTIC[0][1]), color="0.6", lw=0.8, ls=":")
+    diagram.set(xlabel="$S_0$", ylabel="$x$ at whole periods", title=rf"$S = {S}$, $\Omega = {Omega}$")
+    for V, line in (("0.2", ":"), ("0.4", "--"), ("0.549", "-")):
+        belt = Belt(V, mu=belt_cycle.KINETIC, mu_s=belt_cycle.STATIC)
+        model = Oscillator(m=1, c=belt_cycle.DAMPING, k=1, belts=[belt])
+        motion = simulate(model, v0=V, t_end=40)
+        slips = [event.t for event in motion.events if event.kind == "slip"]
+        t = np.linspace(slips[0], slips[1], 800)
+        cycle.plot(*motion(t), line, color="0", lw=1.2, label=f"$V = {V}$")
+    cycle.set(xlabel="$x$", ylabel=r"$\dot{x}$", title="On a belt, $c = 0.1$", ylim=(None, 1))
+    begin = bossolini.X_0
+    t = np.linspace(0, 9, 400)
+    for moved, line, label in ((0, "-", "$x_0 = -1/2$"), (bossolini.HAIR, "--", r"$10^{-20}$ below")):
+        start.plot(t, bossolini.from_rest(begin - moved)(t)[0], line, color="0", lw=1.2, label=label)
+    start.set(xlabel="$t$", ylabel="$x$", title="Two motions of one law")
+    for axes in (ends, cycle, start):
+        axes.legend(fontsize=8, frameon=False, ncols=3 if axes is cycle else 1)
+    for axes in fig.axes:
+        axes.spines[["top", "right"]].set_visible(False)
+    return fig
+
+
 def _greys() -> dict[str, Any]:
     """Return a colour for each count, alternating so that neighbours differ."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -209,18 +269,21 @@ def _slides(r: float, F: str) -> bool:
     return float(_largest(r, "0.1")) > float(F)
 
 
-def write() -> None:
-    """Draw both figures."""
+DRAWN = {"curves.svg": curves, "maps.svg": maps, "static.svg": static}
+
+
+def write(names: Iterable[str]) -> None:
+    """Draw figures by the names of their files."""
     from matplotlib import rc_context
 
     from symosc.plot.drawing import own_style
 
-    for name, draw in (("curves.svg", curves), ("maps.svg", maps)):
+    for name in names:
         buffer = io.StringIO()
         with own_style(), rc_context({"svg.hashsalt": "symosc"}):
-            draw().savefig(buffer, format="svg", dpi=120, metadata={"Date": None})
+            DRAWN[name]().savefig(buffer, format="svg", dpi=120, metadata={"Date": None})
         print(write_text(FOLDER / name, re.sub(r"[ \t]+\n", "\n", buffer.getvalue())))
 
 
 if __name__ == "__main__":
-    write()
+    write(sys.argv[1:] or DRAWN)

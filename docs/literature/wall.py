@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable
+from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 from math import pi
@@ -305,22 +306,28 @@ class Row(NamedTuple):
         return float(abs(formula - number(self.run)) / (abs(formula) or 1))
 
 
+def decimal(value: Any, places: int) -> str:
+    """Return a number, or its text, rounded to some decimal places."""
+    return f"{Decimal(MP.nstr(number(value), MP.dps)):.{places}f}"
+
+
 def show(rows: Callable[[], Iterable[Row]]) -> None:
     """Print a table, with its title; a row whose numbers differ is an error."""
     print(f"{(rows.__doc__ or '').strip().rstrip('.')}:")
     lines = []
     for row in rows():
         assert row.difference <= row.tolerance, row
-        numbers = [f"{float(value):.{row.decimals}f}" for value in (row.formula, row.run)]
-        lines.append((row.name, row.case, *numbers, row.note))
-    heads = ("", "", "formula", "run", "")
+        numbers = [decimal(value, row.decimals) for value in (row.formula, row.run)]
+        lines.append((row.name, row.case, *numbers, f"{row.difference:.0e}", row.note))
+    heads = ("", "", "formula", "run", "difference", "")
     widths = [max(map(len, column)) for column in zip(heads, *lines, strict=True)]
-    for name, case, formula, run, note in (heads, *lines):
+    for name, case, formula, run, difference, note in (heads, *lines):
         cells = (
             name.ljust(widths[0]),
             case.ljust(widths[1]),
             formula.rjust(widths[2]),
             run.rjust(widths[3]),
+            difference.rjust(widths[4]),
             note,
         )
         print("  ".join(cells).rstrip())
