@@ -23,10 +23,20 @@ from symosc import Parameters, find_orbit, simulate
 from symosc.reference.cases import wall
 
 FOLDER = Path(__file__).parents[1] / "docs" / "literature"
-#: The scripts take seconds to a minute: this one is run here. The build of the site runs them all,
-#: and `test_site.py` reads what they print.
+#: The scripts take a second to a minute: those of a second are run here, and as slow tests those of
+#: some seconds. The build of the site runs them all, and `test_site.py` reads what they print.
 SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in ("wall", "figures"))
-QUICK = "feeny_liang"
+QUICK = ("feeny_liang", "andronov_vitt_khaikin", "bossolini_brons_kristiansen", "pulled_spring")
+SOME_SECONDS = ("csernak_licsko", "iklodi_dombovari")
+
+
+def pace_of(name: str) -> Any:
+    """Return a script as a parameter, marked unless it is quick."""
+    if name in QUICK:
+        return name
+    if name in SOME_SECONDS:
+        return pytest.param(name, marks=pytest.mark.slow)
+    return pytest.param(name, marks=pytest.mark.campaign)
 
 
 def script(fixture: str, name: str) -> Any:
@@ -44,12 +54,11 @@ wall_script = script("shared", "wall")
 csernak_script = script("csernak", "csernak_stepan_shaw")
 marino_script = script("marino", "marino_cicirello")
 chaos_script = script("chaos", "no_chaos")
+branch_script = script("branch", "iklodi_dombovari")
+belt_script = script("belt_cycle", "andronov_vitt_khaikin")
 
 
-@pytest.mark.parametrize(
-    "name",
-    [name if name == QUICK else pytest.param(name, marks=pytest.mark.campaign) for name in SCRIPTS],
-)
+@pytest.mark.parametrize("name", map(pace_of, SCRIPTS))
 def test_formula_and_run_agree_and_are_what_the_source_printed(name: str) -> None:
     done = subprocess.run(
         [sys.executable, f"{name}.py"], cwd=FOLDER, capture_output=True, text=True, check=False
@@ -287,3 +296,29 @@ def test_free_decay() -> None:
         # On the sides that half cycles lead to; the last turn may be on the other one.
         distances = [x * (-1) ** i for i, x in enumerate(turns)]
         assert -np.diff(distances) == pytest.approx(2 * float(F), rel=1e-12)
+
+
+# --- static friction ---
+
+
+def test_formulas_of_static_friction(branch: ModuleType, belt_cycle: ModuleType) -> None:
+    """Against another program, which has 60 digits."""
+    for (without, _), Omega, highest in zip(
+        branch.ENCLOSED,
+        ("0.748685731630634374410198479", "1.206269084207898159278279365"),
+        ("2.04804112050344071094338166", "0.7733150237056075137092507343"),
+        strict=True,
+    ):
+        motion = branch.end_of_branch(without)
+        assert abs(motion.Omega - branch.number(Omega)) < 1e-26
+        assert abs(motion.highest - branch.number(highest)) < 1e-26
+    speed, time = belt_cycle.graze()
+    assert abs(speed - branch.number("0.54904631205793634574394182271822")) < 1e-28
+    assert abs(time - branch.number("5.528804899215224364")) < 1e-17
+
+
+def test_a_slip_meets_the_belt_or_not(belt_cycle: ModuleType) -> None:
+    """A hair beside the belt speed where the cycle ends."""
+    end = Fraction("0.549046312057936345743941822718")
+    for hair, meets in ((-1, True), (1, False)):
+        assert belt_cycle.meets_belt(end + Fraction(hair, 10**15)) == meets

@@ -36,7 +36,7 @@ ENCLOSED = (Fraction(1, 2), Fraction(3, 5))
 
 
 def cycles() -> Iterator[Row]:
-    """The stick-slip cycle without a damper; run: simulate with 30 digits."""
+    """Stick-slip without a damper; run: simulate with 30 digits."""
     for m, k, V, f, s in SETS:
         case = f"m = {m}, k = {k}, V = {V}, f = {f}, s = {s}"
         # At a wall without friction the mass turns, which makes an event.

@@ -183,7 +183,9 @@ def static() -> Figure:
     S, _, Omega, _ = chaos.CHAOTIC[0]
     limits = np.linspace(0.5, 1, 241)
     period = 2 * np.pi / float(Omega)
-    numbers = {name: float(value) for name, value in chaos.oscillator(S, "1", Omega).numbers().items()}
+    numbers = {
+        name: float(value) for name, value in chaos.oscillator(S, "1", Omega).numbers().items()
+    }
     sections = simulate_many(
         numbers | {"mu_s1": limits},
         (0, 0, 0),
@@ -194,7 +196,9 @@ def static() -> Figure:
     ).section[:, :, 0]
     diagram.plot(np.repeat(limits, 60), sections.ravel(), ",", color="0", rasterized=True)
     diagram.axvline(float(chaos.CHAOTIC[0][1]), color="0.6", lw=0.8, ls=":")
-    diagram.set(xlabel="$S_0$", ylabel="$x$ at whole periods", title=rf"$S = {S}$, $\Omega = {Omega}$")
+    diagram.set(
+        xlabel="$S_0$", ylabel="$x$ at whole periods", title=rf"$S = {S}$, $\Omega = {Omega}$"
+    )
     for V, line in (("0.2", ":"), ("0.4", "--"), ("0.549", "-")):
         belt = Belt(V, mu=belt_cycle.KINETIC, mu_s=belt_cycle.STATIC)
         model = Oscillator(m=1, c=belt_cycle.DAMPING, k=1, belts=[belt])
@@ -205,8 +209,13 @@ def static() -> Figure:
     cycle.set(xlabel="$x$", ylabel=r"$\dot{x}$", title="On a belt, $c = 0.1$", ylim=(None, 1))
     begin = bossolini.X_0
     t = np.linspace(0, 9, 400)
-    for moved, line, label in ((0, "-", "$x_0 = -1/2$"), (bossolini.HAIR, "--", r"$10^{-20}$ below")):
-        start.plot(t, bossolini.from_rest(begin - moved)(t)[0], line, color="0", lw=1.2, label=label)
+    for moved, line, label in (
+        (0, "-", "$x_0 = -1/2$"),
+        (bossolini.HAIR, "--", r"$10^{-20}$ below"),
+    ):
+        start.plot(
+            t, bossolini.from_rest(begin - moved)(t)[0], line, color="0", lw=1.2, label=label
+        )
     start.set(xlabel="$t$", ylabel="$x$", title="Two motions of one law")
     for axes in (ends, cycle, start):
         axes.legend(fontsize=8, frameon=False, ncols=3 if axes is cycle else 1)

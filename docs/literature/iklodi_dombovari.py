@@ -29,9 +29,7 @@ WATCHED = 20
 
 def demo(Omega: Any) -> Oscillator:
     """Return the oscillator of the demo at a frequency."""
-    return Oscillator(
-        m=1, c="0.1", k=1, B0="1.5", Omega=Omega, belts=[Belt(0, mu=1, mu_s="1.1")]
-    )
+    return Oscillator(m=1, c="0.1", k=1, B0="1.5", Omega=Omega, belts=[Belt(0, mu=1, mu_s="1.1")])
 
 
 def settled(Omega: Any) -> Summary:
@@ -80,7 +78,7 @@ def ends() -> Iterator[Row]:
 
 
 def stops() -> Iterator[Row]:
-    """Stops per period beside the ends and between them: counted by a run and expected."""
+    """How many stops per period beside the ends and between them: counted by a run and expected."""
     cases = (("0.6", 2), ("0.7486", 2), ("0.7487", 0), ("1", 0), ("1.2062", 0), ("1.2063", 2))
     for Omega, expected in cases:
         summary = settled(Fraction(Omega))
@@ -90,7 +88,7 @@ def stops() -> Iterator[Row]:
 
 
 def coulomb_ends() -> Iterator[Row]:
-    """The same with static friction equal to kinetic friction; run: continue_orbit."""
+    """Where it ends if static friction equals kinetic friction; run: continue_orbit."""
 
     def excess(Omega: Any) -> Any:
         return Symmetric(0, Omega, "0.1").largest_force_ratio() * MP.mpf("1.5") - 1

@@ -34,7 +34,7 @@ from symosc.engine.arithmetic import MpArithmetic
 from symosc.grazing.window import grazing_window, grazing_windows
 from symosc.mappings.compiled import compiled_residual
 from symosc.mappings.equations import residual
-from symosc.model import Parameters, by_name
+from symosc.model import OSCILLATOR_NAMES, Belt, Oscillator, Parameters, by_name
 from symosc.orbits.find import find_orbit
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.batch import warm
@@ -164,6 +164,8 @@ def groups(quick: bool = False) -> Iterator[Group]:
     yield Group("One long motion, events counted", _long_motions(sizes.events))
     yield Group(each_start.capitalize(), _ensemble(sizes.starts))
     yield Group(f"Derivatives, {each_start}", _derivatives(sizes.derivatives))
+    for belts, title in ((1, "One belt"), (2, "Two belts")):
+        yield Group(f"{title}, {each_start}, counted", _static(sizes.starts, belts))
     yield Group("simulate", _single_motions(sizes.single_events))
     sticks = _shrinking_sticks(sizes.stick_ends, sizes.stick_motions)
     yield Group("fig8 in simulate_many, to t =", sticks)
@@ -255,6 +257,21 @@ def _derivatives(count: int) -> Iterator[Call]:
     first = {"mu1": 0.81, "c": float(scene.parameters.c) * 1.01}
     call = partial(fit, scene, data, ("mu1", "c", "FN"), sigma=1e-4, start=first)
     yield Call("fit of 3 parameters to 1,000 events of fig5", "call", call, 1)
+
+
+def _static(count: int, belts: int) -> Iterator[Call]:
+    """Yield calls of `simulate_many` that count events with the belts of fig9, or the first of
+    them, without and with static friction.
+    """
+    p, starts, ends = _starts(count)
+    shared: Record = {name: getattr(p, name) for name in OSCILLATOR_NAMES}
+    for what, excess in (("mu_s = mu", 0), ("static friction, mu_s = 1.1 mu", Fraction(1, 10))):
+        of_law = [
+            Belt(belt.v, belt.mu, mu_s=(1 + excess) * belt.mu) for belt in p.law.belts[:belts]
+        ]
+        law = Oscillator(**shared, belts=of_law)
+        call = partial(simulate_many, law, starts, ends, record=COUNTS, **ONE_CORE)
+        yield Call(what, "event", call)
 
 
 def _single_motions(most: int) -> Iterator[Call]:
