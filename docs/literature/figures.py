@@ -10,6 +10,7 @@ import re
 import sys
 from collections.abc import Iterable
 from fractions import Fraction
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -167,21 +168,22 @@ def static() -> Figure:
 
     fig = Figure(figsize=(7, 5.6), layout="constrained")
     (ends, diagram), (cycle, start) = fig.subplots(2, 2)
-    Omegas = np.linspace(0.55, 1.4, 60)
+    Omegas = np.linspace(0.55, 1.4, 35)
     settled = [branch.settled(_short(Omega)) for Omega in Omegas]
     highest = np.array([summary.x_max[0] for summary in settled])
     stopping = np.array([summary.sticks[0] > 0 for summary in settled])
     for chosen, marker, label in ((~stopping, "o", "no stops"), (stopping, "s", "2 stops")):
         ends.plot(Omegas[chosen], highest[chosen], marker, color="0", mfc="1", ms=4, label=label)
     borders = [branch.end_of_branch(without) for without, _ in branch.ENCLOSED]
-    grid = np.linspace(*(float(motion.Omega) for motion in borders), FINE)
+    lowest, largest = (float(border.Omega) for border in borders)
+    grid = np.linspace(lowest, largest, FINE)
     heights = [float(Symmetric(1, _short(Omega), "0.1", "1.5").highest) for Omega in grid]
     ends.plot(grid, heights, color="0", lw=1.2, label="formula")
-    for motion in borders:
-        ends.axvline(float(motion.Omega), color="0.6", lw=0.8, ls=":")
+    for border in (lowest, largest):
+        ends.axvline(border, color="0.6", lw=0.8, ls=":")
     ends.set(xlabel=r"$\Omega$", ylabel="largest $x$", title="$P = 1.5$, $F = 1$, static 1.1")
     S, _, Omega, _ = chaos.CHAOTIC[0]
-    limits = np.linspace(0.5, 1, 241)
+    limits = np.linspace(0.5, 1, 161)
     period = 2 * np.pi / float(Omega)
     numbers = {
         name: float(value) for name, value in chaos.oscillator(S, "1", Omega).numbers().items()
@@ -189,12 +191,14 @@ def static() -> Figure:
     sections = simulate_many(
         numbers | {"mu_s1": limits},
         (0, 0, 0),
-        160 * period,
-        skip=100 * period,
+        120 * period,
+        # A picture of an attractor needs no exact motion on it.
+        accuracy=inf,
+        skip=70 * period,
         record=("section",),
-        sections=60,
+        sections=50,
     ).section[:, :, 0]
-    diagram.plot(np.repeat(limits, 60), sections.ravel(), ",", color="0", rasterized=True)
+    diagram.plot(np.repeat(limits, 50), sections.ravel(), ",", color="0", rasterized=True)
     diagram.axvline(float(chaos.CHAOTIC[0][1]), color="0.6", lw=0.8, ls=":")
     diagram.set(
         xlabel="$S_0$", ylabel="$x$ at whole periods", title=rf"$S = {S}$, $\Omega = {Omega}$"
