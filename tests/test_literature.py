@@ -58,7 +58,7 @@ branch_script = script("branch", "iklodi_dombovari")
 belt_script = script("belt_cycle", "andronov_vitt_khaikin")
 
 
-@pytest.mark.parametrize("name", map(pace_of, SCRIPTS))
+@pytest.mark.parametrize("name", [pace_of(name) for name in SCRIPTS])
 def test_formula_and_run_agree_and_are_what_the_source_printed(name: str) -> None:
     done = subprocess.run(
         [sys.executable, f"{name}.py"], cwd=FOLDER, capture_output=True, text=True, check=False
