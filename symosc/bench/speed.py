@@ -265,7 +265,10 @@ def _static(count: int, belts: int) -> Iterator[Call]:
     """
     p, starts, ends = _starts(count)
     shared: Record = {name: getattr(p, name) for name in OSCILLATOR_NAMES}
-    for what, excess in (("mu_s = mu", 0), ("static friction, mu_s = 1.1 mu", Fraction(1, 10))):
+    for what, excess in (
+        ("mu_s = mu", Fraction(0)),
+        ("static friction, mu_s = 1.1 mu", Fraction(1, 10)),
+    ):
         of_law = [
             Belt(belt.v, belt.mu, mu_s=(1 + excess) * belt.mu) for belt in p.law.belts[:belts]
         ]
