@@ -198,7 +198,7 @@ def test_no_right_solution_of_a_chaotic_motion_is_blamed() -> None:
 
 
 def test_errors_that_add_up_are_no_chaos() -> None:
-    """A damper that is wrong by a part of 1e4 makes no wrong step where samples are dense."""
+    """A damper that is wrong by a part of 1e3 makes no wrong step where samples are dense."""
     p = Oscillator(m=1, c="0.1", k=1, B0="0.2", Omega=2, belts=[Belt(-2, mu="0.1", mu_s="0.2")])
     wrong = p.replace(c="0.1001")
     t = np.linspace(0.0, 12.0, 120_001)
