@@ -34,7 +34,7 @@ from symosc.engine.events import (
     Event,
     event_codes,
 )
-from symosc.engine.flow import Constants, table_of
+from symosc.engine.flow import Constants, belt_at, table_of
 from symosc.engine.start import (
     Start,
     continued,
@@ -207,6 +207,22 @@ class Motion:
         context = arithmetic.mp_context(15)
         worst = context.convert(self.arithmetic.outward(self._worst))
         return int(context.ceil(context.log10(SAFETY * worst))) + digits
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the last step leaves open how the motion goes on."""
+        # With an uncertain start a contact that may be a touch is one: a motion that misses the
+        # belt is nearly the same. Not so at a belt with static friction, which would hold it.
+        return not self.decided and (self.start.start_error is None or self._at_fork)
+
+    @property
+    def _at_fork(self) -> bool:
+        """Whether the last step ended at, or on, a belt whose static friction exceeds kinetic
+        friction.
+        """
+        state = self._state
+        boundary = state.at or max(state.mode - ON_BELT, 0)
+        return boundary > 0 and belt_at(boundary, self.K).E > 0
 
     @property
     def ended(self) -> bool:
@@ -484,11 +500,7 @@ class MotionInDigits(Motion):
                 if self.goal == 0:
                     break
             self.step()
-            if (
-                self.code == FAILED
-                or not self.is_known
-                or not (self.decided or self.start.start_error)
-            ):
+            if self.code == FAILED or not self.is_known or self.is_open:
                 return False
         return True
 
@@ -598,6 +610,11 @@ class FinerMotion:
             self.open_in = now.digits
             now.undo()
             return digits <= MOST_GRAZE and self._go_on(digits)
+        if start.start_error and now.code != FAILED and now.is_known:  # no digits decide this
+            self.open_at = float(now.state.t)
+            self.open_in = now.digits
+            now.undo()
+            return False
         events_before = now.count - (now.code <= GRAZE)  # the contact itself may be counted
         base = 2 * self._least // GRAZE_TIMES
         if events_before > self._asked_at:  # not the first contact that took more digits

@@ -367,7 +367,10 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
             motion.step()
             if advance:
                 advance(_part_done(start, motion.elapsed, motion.count, most), motion.count)
-            if not motion.decided and motion.code != FAILED and not start.start_error:
+            if motion.is_open and start.start_error:
+                undecided = True
+                limit = working  # no digits decide this
+            elif motion.is_open and motion.code != FAILED:
                 # A later contact than the one that took more digits takes twice as many.
                 if before > asked_at:
                     least = 2 * working

@@ -245,3 +245,23 @@ def test_three_belts_are_refused_not_misread() -> None:
             ParameterError, match="motions between more than two belts cannot be followed yet"
         ):
             follow()
+
+
+def test_an_uncertain_start_leaves_a_touch_open() -> None:
+    """Some starts touch the belt and stick, others miss it for ever; without static friction both
+    are one motion.
+    """
+    law = {"m": 1, "c": 0, "k": 1, "B0": "3/2", "Omega": "1/2"}
+    start: dict[str, Any] = {"x0": "5/2", "t_end": 30, "start_error": ("0", "0", "1e-9")}
+    fork = Oscillator(**law, belts=[Belt(1, "1/2", mu_s=1)])
+    for digits in (None, 20):
+        motion = simulate(fork, **start, digits=digits)
+        assert (motion.status, len(motion.events)) == ("undecidable", 0)
+        assert motion.t_end == pytest.approx(3 * pi, abs=1e-6)
+    error = start["start_error"]
+    table = simulate_many(fork, [(0, 2.5, 0)], 30, start_error=error, use_numba=False)
+    assert list(table.status) == ["undecidable"]
+    coulomb = simulate(fork.replace(mu_s1="1/2"), **start)
+    assert [event.kind for event in coulomb.events] == ["graze", "graze"]
+    ends = [len(simulate(fork, x0="5/2", v0=v0, t_end=30).events) for v0 in ("-1e-9", "1e-9")]
+    assert sorted(ends)[0] == 0 < sorted(ends)[1]
