@@ -47,12 +47,13 @@ and `there` are points of it (`Flown`), `tau` a time since the launch, and `tau_
 search. `walls` are the gaps at launch, and `side` is -1 for the lower wall and 1 for the upper one.
 `M4` is the bound above, and `S` the covariance of the errors at launch. `slack` is what a gap must
 exceed in a march, `margin` what the errors can do to it, `thin` the square below which it is
-compared with its error. `over` is the distance of a gap or force from 0. For sticks, `held` is the
+compared with its error. `over` is what is to become 0: in a flight v - v_lambda, which is the gap of
+the lower wall and minus the gap of the upper one; in a stick the force. For sticks, `held` is the
 State at the beginning, `s0` and `c0` are sine and cosine of the phase then, `s` and `c` those now.
 `K` are the Constants.
 
 All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and
-mpmath numbers.
+mpmath numbers; `0.0 * tau` is a zero of the same kind of number as `tau`.
 """
 
 from __future__ import annotations
@@ -107,10 +108,11 @@ WIDE_GAP = 6e6
 # Steps shorter than this, times 1/rate, are a sign of a tangency ahead. The value decides about the
 # time only: no step passes a contact.
 SHORT_STEP = 4e-3
-# A gap smaller than THIN of the velocities in question, some million roundings, is compared with
-# its error. An error of the start that is smaller than THIN times the root of FAINT of the
-# velocities, a thousand roundings, is rounding.
+# A gap smaller than this part of the velocities in question, some million roundings, is compared
+# with its error.
 THIN = 1e-9
+# An error of the start that is smaller than THIN times the root of this part of the velocities, a
+# thousand roundings, is rounding.
 FAINT = 1e-8
 # A gap within its error that leaves it within this time, times 1/rate, is on its way through 0.
 SOON = 1e-2
@@ -123,7 +125,8 @@ MOST_DESCENTS = 400
 MOST_HALVINGS = 400
 # Steps towards a minimum that do not get shorter: the gap dies away, without a minimum.
 MOST_EVEN = 12
-MOST_CORRECTIONS = 8  # each evaluation of the flow makes five times as many digits right
+# Corrections of a time with many digits: each makes five times as many digits right.
+MOST_CORRECTIONS = 8
 # Short steps on which no minimum of the gap was found ahead, before the search is given up. Beside
 # a gap that has 1e-30 of its usual size, and hardly bends, it takes a hundred to get away
 # (test_a_near_miss_beside_which_the_gap_hardly_bends_is_decided).
@@ -134,8 +137,9 @@ MOST_STALLS = 150
 
 
 def fourth_derivative_bound(G2, G3, s, c, K):
-    """Return a bound M4 of |v''''| from now on (if not `K.steady`: for 1/Omega), given G2 = v''',
-    G3 = v'''', phase.
+    """Return a bound M4 of |v''''| from now on, given G2 = v''', G3 = v'''' and the phase.
+
+    It holds for all later times if `K.steady`, else for 1/Omega.
     """
     if not K.steady:
         return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
@@ -152,6 +156,8 @@ def positive_on(s, P):
 
     `P` holds its coefficients p0 to p4.
     """
+    # On [0, s] a polynomial is a mean of its Bernstein coefficients: here first p0 and the next two,
+    # then the last two.
     p0, p1, p2, p3, p4 = P
     t1 = p1 * s
     t2 = p2 * s * s
@@ -170,7 +176,7 @@ def safe_step(cap, P):
     `P` holds the coefficients p0 to p4; the estimate is at most cap.
     """
     # First the root of the quadratic, then Halley's method; the result is checked before it is
-    # used.
+    # used. The estimate is `cap` where Halley's method did not settle (`is_firm`).
     p0, p1, p2, p3, p4 = P
     if p0 <= 0.0:
         return 0.0 * cap, cap
@@ -185,10 +191,10 @@ def safe_step(cap, P):
         value = p0 + (p1 + (p2 + (p3 + p4 * root) * root) * root) * root
         slope = p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root
         half_bend = p2 + (3.0 * p3 + 6.0 * p4 * root) * root
-        below = slope * slope - value * half_bend
-        if slope >= 0.0 or below <= 0.0:
+        halley = slope * slope - value * half_bend
+        if slope >= 0.0 or halley <= 0.0:  # no root is ahead
             break
-        shift = value * slope / below
+        shift = value * slope / halley
         if shift >= root:
             break
         root = root - shift
@@ -216,11 +222,14 @@ def gap_to(side, now, walls):
 
 
 def gap_bound(side, now, M4, margin, walls):
-    """Return (P, degree): a polynomial in the time after `now` below the gap on `side`, over
-    time^(4 - degree).
+    """Return (P, degree): P, times s^(4 - degree), is a lower bound of the gap on `side` at the time s
+    after `now`.
+
+    `P` holds the coefficients p0 to p4 of a polynomial in s.
     """
-    # The margin for the error of the start is held back from the gap, or half the gap if that is
-    # not much larger. At a start on the wall P is divided by its root there.
+    # The gap of the lower wall (side -1) grows with v, that of the upper one falls. The margin for the
+    # error of the start is held back from the gap, or half the gap if that is not much larger. At a
+    # start on the wall P is divided by its root there.
     g = gap_to(side, now, walls)
     g1 = -side * now.F
     g2 = -side * now.G1
@@ -242,11 +251,12 @@ def gap_bound(side, now, M4, margin, walls):
 
 
 def is_near(root, P, degree, M4, size, K):
-    """Return three flags of the gap beside the `root` of its bound `P`: just one root; very near;
-    and no touch.
+    """Return three flags of the gap beside the `root` of its bound `P`: it has just one root there
+    (near); so near that Taylor's formula reaches it (close); and no touch (deep).
     """
     # One root near `root`, and only one: the gap there is known to be within `missing` of 0, and
-    # its slope keeps its sign up to there and over what makes up for `missing` (Kantorovich).
+    # its slope keeps its sign up to there and over what makes up for `missing` (Kantorovich, who
+    # asks for a factor of 2 where 8 is). The gap exceeds P by twice P's last term at most.
     p0, p1, p2, p3, p4 = P
     slope = -(p1 + (2.0 * p2 + (3.0 * p3 + 4.0 * p4 * root) * root) * root)
     bend = abs(2.0 * p2 + (6.0 * p3 + 12.0 * p4 * root) * root)
@@ -260,6 +270,7 @@ def is_near(root, P, degree, M4, size, K):
         and 8.0 * SHRINK * root * bend < slope
         and 8.0 * missing * (bend * root + slope) < slope * slope * root
     )
+    # With this slope and bend a gap gets slope^2/(2 bend) deep behind its root.
     depth = slope * slope
     for _ in range(4 - degree):  # back from the divided polynomial to the gap
         depth = depth * root
@@ -284,6 +295,8 @@ def root_by_series(over, F, G1, G2, G3):
 
     Return the root and a bound of its error.
     """
+    # With e = over/F (`linear`), B = G1 e/(2 F) and W = G2 e^2/(6 F) the root is
+    # -e (1 + B + 2 B^2 - W + ...). The next terms are 5 B (B^2 - W) and G3 e^3/(24 F).
     inverse = 1.0 / F
     linear = over * inverse
     B = 0.5 * G1 * inverse * linear
@@ -322,8 +335,8 @@ class Marched(NamedTuple):
 
     now: Flown  # up to there no wall is met; without dx and the entire functions
     M4: Number  # the bound of the fourth derivative from there on
-    # of the wall that is met in the next step, there once and for sure; 0: the next step is not
-    # decided
+    # of the wall that the next step surely meets, and only once; 0: not known, or `march` ended
+    # where `stepped` is faster
     side: int
     there: Flown  # the end of that step, without its last two derivatives (`with_derivatives`)
 
@@ -331,7 +344,7 @@ class Marched(NamedTuple):
 def march(tau_max, v0, now, walls, margin, K):
     """Follow a flight from `now` to `tau_max` by fixed steps, while they surely meet no wall.
 
-    Return a `Marched`.
+    Return a `Marched`. Under a slow drive it ends, with side 0, also where the gaps get wide.
     """
     # Over a fixed step the transient is multiplied by a constant matrix and the steady state turns
     # by a constant angle, so the derivatives cost no exp, sin or cos. Their rounding errors are far
@@ -373,12 +386,14 @@ def march(tau_max, v0, now, walls, margin, K):
             long = seems_free(stride, now, walls)
             if not K.slow_drive:
                 continue
+        # A usual step failed, and a new bound cannot help: it is that of this point, or the step
+        # does end beyond a wall.
         elif not long and (since == now.tau or not gaps_exceed(0.0, there.dv, walls)):
             now = with_derivatives(now, v0, K)
             M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
             side = wall_met(now, there, free_below, free_above, M4, slack, walls)
             return Marched(now, M4, side, there)
-        else:
+        else:  # once more, by a usual step or with a new bound
             long = False
         if since < now.tau:
             # The bound never grows: until here one of an earlier time was good enough.
@@ -414,6 +429,8 @@ def free_motion(v0, now, walls, margin, K):
     F_free = now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
     slack = MARCH_SLACK * (abs(v0) + K.V0 + abs(v_free) + abs(F_free) * K.swing) + margin
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
+    # `far_below` and `far_above` are what the transient would have to reach; v0 - walls.below is the
+    # speed of the lower belt, v0 + walls.above that of the upper one.
     energy = F_free * F_free + K.w0sq * v_free * v_free
     far_below = walls.below - v0 - K.V0 - slack
     far_above = v0 + walls.above - K.V0 - slack
@@ -443,7 +460,7 @@ def marched(v_free, F_free, v0, now, M, K):
 
 def lifted(h, M4, slack):
     """Return what a gap's middle Bernstein coefficient must exceed in a step `h` so that the gap
-    exceeds `slack`.
+    exceeds `slack`: M4 h^4/144 more, as `is_free` derives.
     """
     return 0.25 * SIXTH * SIXTH * (h * h) * (h * h) * M4 + slack
 
@@ -507,6 +524,7 @@ def opens(d0, b0, g1, d1, lift, slack):
     """Return what `stays_open` does after the start of a step where the gap is 0, with slope d0 and
     bend b0.
     """
+    # The coefficients are those of `is_free` with g0 = 0; 1.5 lift makes M4 h^4/144 M4 h^4/96.
     steep = (d0 >= 0.0) & (g1 - 0.25 * d1 > slack) & (0.5 * g1 + SIXTH * (d0 - d1) > lift)
     flat = (d0 == 0.0) & (b0 >= 0.0) & (0.125 * b0 + 0.25 * g1 > 1.5 * lift)
     return (g1 > slack) & (steep | flat)
@@ -517,7 +535,8 @@ def meets_once(side, now, there, M4, slack, walls):
     only once between.
     """
     # It is if its slope, d0 and d1 at the ends, is negative all the way, or if its bend, b0 and b1,
-    # keeps its sign.
+    # keeps its sign. The Bernstein coefficients of the slope, with its error, are d0, d0 + h b0/3,
+    # (2 d0 + h b0 + d1)/3 + M4 h^3/18 and d1, those of the bend b0, (b0 + b1)/2 -+ M4 h^2/4 and b1.
     meets = (gap_to(side, there, walls) < -slack) & (gap_to(side, now, walls) > slack)
     h = there.tau - now.tau
     d0 = -side * now.F
@@ -540,9 +559,10 @@ def meets_once(side, now, there, M4, slack, walls):
 
 @outlined
 def tolerance(side, now, start, walls, S, K):
-    """Return how far the gap on `side` may be wrong at point `now`, by rounding and the covariance
-    `S` at launch.
+    """Return how far the gap on `side` (a velocity) may be wrong at point `now`, by rounding and by
+    `K.sigmas` standard errors from the covariance `S` at launch.
     """
+    # Errors of x and v at launch move v by -(k/m) E1 and E0 times themselves.
     if side < 0:
         start_gap = walls.below
     else:
@@ -550,9 +570,8 @@ def tolerance(side, now, start, walls, S, K):
     pull = -K.w0sq * now.E1
     variance = pull * pull * S.S11 + 2.0 * pull * now.E0 * S.S12 + now.E0 * now.E0 * S.S22
     size = velocity_scale(now.tau, start.v, start.F, K) + start_gap
-    if (
-        start.F != 0.0
-    ):  # then it was rounded as its terms, which may be much larger; that of x counts in S
+    # A force that is not 0 was rounded as its terms, which may be much larger; that of x counts in S.
+    if start.F != 0.0:
         size = size + (abs(K.f0) + K.cm * abs(start.v)) * abs(now.E1)
     return ROUNDING * EPS * size + K.sigmas * sqrt(abs(variance))
 
@@ -566,7 +585,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
     v.
     """
     # NOTHING says that the gap is positive on the way there too, STALLED also that this is not
-    # proven.
+    # proven. Each step goes to the minimum of the local parabola.
     begin = tau
     sign = -side  # of the gap's derivatives against those of v
     last_shift = FAR
@@ -592,6 +611,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
             if gap < -allowed:
                 return HIT, tau
             if gap > allowed:
+                # the bound from here backward in time, where odd derivatives change their sign
                 back = tau - begin
                 third = -sign * SIXTH * now.G2
                 free = positive_on(
@@ -626,7 +646,7 @@ def gap_reopens(tau, side, start, walls, S, K):
 @outlined
 def gap_stays_zero(tau, side, start, walls, S, K):
     """Return whether a gap is 0 within its error at `tau`, and so slow that it stays so for
-    0.01/`K.rate`.
+    SOON/`K.rate`.
     """
     now = state_at(tau, start, K)
     allowed = tolerance(side, now, start, walls, S, K)
@@ -639,7 +659,7 @@ def side_of_zero_gap(now, thin, start, walls, S, K):
     """
     below = walls.below + now.dv
     above = walls.above - now.dv
-    away = now.tau > 0.0
+    away = now.tau > 0.0  # at a launch from a wall the gap there is 0, and no contact
     thin_below = walls.has_below and below * below < thin and (away or not walls.on_below)
     thin_above = walls.has_above and above * above < thin and (away or not walls.on_above)
     if thin_below and gap_stays_zero(now.tau, -1, start, walls, S, K):
@@ -657,14 +677,16 @@ def first_exit(tau_max, start, walls, S, K):
 
     Return a `FlightEnd`.
     """
-    # Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED. A contact is returned even if the
-    # last correction moved it past tau_max. S is the Covariance of the errors of the start.
+    # Its code is NOTHING (at tau_max), HIT, TANGENCY or STALLED, where this precision does not decide
+    # (`after_flight` returns FAILED then). A contact is returned even if the last correction moved
+    # it past tau_max. S is the Covariance of the errors of the start.
     now, flat, thin, margin = search_begin(tau_max, start, walls, S, K)
     v0 = start.v
     if K.apart and not flat:
         now, M4, side, there = march(tau_max, v0, now, walls, margin, K)
         if side != 0:
-            # The estimate is made exact from the nearer end of the step.
+            # The estimate is made exact from the nearer end of the step; `part` is the fraction of
+            # it up to the wall.
             h = there.tau - now.tau
             part = part_to_root(now, there, side, walls)
             if part < 0.5:
@@ -687,7 +709,8 @@ def search_begin(tau_max, start, walls, S, K):
     start's error can do to a gap; a gap is compared with its own error if its square is below
     `thin`.
     """
-    # Where the margin is less than rounding, it is 0, and `tolerance` includes it.
+    # Where the margin is less than rounding, it is 0, and `tolerance` includes it. `thin` includes
+    # the square of twice the start's error.
     v0, F0, s0, c0 = start
     zero = 0.0 * tau_max
     G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
@@ -719,7 +742,7 @@ def behind_flat_start(tau_max, G2, G3, start, K):
     Om4 = K.Om * K.Om * K.Om * K.Om
     fifth = fifth_derivative(G3, G2, start.c, K)
     # With a bound M5 of the fifth derivative the gap is at least |G3| tau^4/24 - M5 tau^5/120, which
-    # is positive up to 5 |G3|/M5.
+    # is positive up to 5 |G3|/M5; 4 |G3|/M5 is before that.
     if K.steady:
         G3_transient = G3 - Om4 * (K.Ss * start.s + K.Sc * start.c)
         fifth_transient = fifth - Om4 * K.Om * (K.Ss * start.c - K.Sc * start.s)
@@ -751,7 +774,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
     tau = now.tau
     low = now.tau
     high = now.tau
-    # the side on which the gap is known to be negative, and where
+    # the side on which the gap is known to be negative at a later time, and that time
     crossing = 0
     tau_deep = now.tau
     stalled = 0
@@ -782,6 +805,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
             code = HIT
             tau = now.tau + (root if close else sharpened(root, side, now, walls, K))
             break
+        # No root is sure there: is a graze ahead? `short` steps are a sign of it.
         short = step < cap and step * K.rate < SHORT_STEP
         # a gap that shrinks and is hardly larger than what the error of the start can do to it
         beside = margin > 0.0 and side * now.F > 0.0 and gap_to(side, now, walls) < 2.0 * margin
@@ -793,10 +817,10 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
             if verdict == LOST and tau <= tau_max:
                 code = STALLED
                 break
-            if verdict == HIT:
+            if verdict == HIT:  # the gap is negative there: the steps go on to the root before
                 crossing = side
                 tau_deep = tau
-            elif verdict == NOTHING:
+            elif verdict == NOTHING:  # past the minimum, up to which the gap is positive
                 step = tau - now.tau
                 if step >= cap:
                     step = cap
@@ -807,6 +831,7 @@ def stepped(tau_max, now, M4, thin, margin, start, walls, S, K):
         low = now.tau
         now = state_at(low + step if step < tau_max - low else tau_max, start, K)
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
+        # A safe step ends before a wall, but for rounding.
         behind = wall_behind(now, walls)
         if behind != 0:
             side = behind
@@ -873,9 +898,8 @@ def nearest_root(cap, now, M4, margin, walls):
         side = 1
     P, degree = gap_bound(side, now, M4, margin, walls)
     step, root = safe_step(cap, P)
-    if (
-        walls.has_below and walls.has_above
-    ):  # the upper wall counts only if the lower one's step is too long for it
+    # The upper wall counts only if the lower one's step is too long for it.
+    if walls.has_below and walls.has_above:
         Q, degree_above = gap_bound(1, now, M4, margin, walls)
         if not positive_on(root if root < cap else step, Q):
             step_above, root_above = safe_step(cap, Q)
@@ -935,8 +959,8 @@ def sharpened(root, side, now, walls, K):
         (3.0 * third + 4.0 * fourth * root) + square * (5.0 * fifth)
     )
     half_bend = (half + 3.0 * third * root) + square * (6.0 * fourth + 10.0 * fifth * root)
-    below = slope * slope - value * half_bend
-    shift = value * slope / select(below > 0.0, below, FAR)
+    halley = slope * slope - value * half_bend
+    shift = value * slope / select(halley > 0.0, halley, FAR)
     return select(abs(shift) < 0.5 * abs(root), root - shift, root)
 
 
@@ -945,7 +969,8 @@ def polish(tau, low, high, side, start, walls, K):
     as a `FlightEnd`.
     """
     # The gap is positive at `low`. A step that leaves the bracket is replaced by halving it; it
-    # narrows. Mostly the first point is near enough.
+    # narrows. Mostly the first point is near enough. `local_root` is given v less the belt's speed,
+    # whose derivatives are F to G3: the gap on side -1, minus the gap on side 1.
     now = state_at(tau, start, K)
     slack = 4.0 * EPS * high
     for _ in range(MOST_HALVINGS):
@@ -971,6 +996,7 @@ def shifted(now, shift, v0, K):
     """Return the point `now` of a flight moved by a time `shift` that is short enough for Taylor's
     formula.
     """
+    # E0 to E2, which carry errors only, stay as they are.
     _, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2 = now
     square = shift * shift
     last = 0.25 * SIXTH * (G2 + 0.2 * G3 * shift)  # short flights need the fifth power too
@@ -1051,6 +1077,7 @@ def belt_exit(tau_max, held, belt, K):
         second = phase_ahead(PI - belt.angle - held.theta) / K.Om
         if second < first:
             first, second, c_first = second, first, -belt.c_cr
+    # Delta turns where the stick begins, and so a period later too.
     turns_at_period = belt.turns and (first == 0.0 or second == 0.0)
     for piece in range(3):
         if piece == 0:
@@ -1070,26 +1097,27 @@ def belt_exit(tau_max, held, belt, K):
                 c_end = -c_first
             Delta_end = stick_acceleration(zero, belt.v, end, c_end - held.c, K.w0sq, K.f0)
         elif end == K.period:
-            Delta_end = belt.drift * end
+            Delta_end = belt.drift * end  # the drive is where it began
         else:
             Delta_end, _, _ = force_gain(end, held.s, held.c, belt, K)
         if Delta_end == Delta:  # constant forces
             tau = end
             continue
-        # Forces that rise can only lift F^(above) to 0, forces that fall only lower F^(below).
+        # Forces that rise can only lift F^(above) to 0, forces that fall only lower F^(below);
+        # `excess` is how far beyond 0 that force is at the end of this piece.
         rising = Delta_end > Delta
         if rising:
             force = held.Fa
             side = 1
-            over = force + Delta_end
+            excess = force + Delta_end
         else:
             force = held.Fb
             side = -1
-            over = -force - Delta_end
+            excess = -force - Delta_end
         turning = end < tau_max or (turns_at_period and end == K.period)
-        if turning and abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K):
+        if turning and abs(excess) <= force_noise(held.Fb, end, held.S.S11, belt, K):
             return StickEnd(TANGENCY, side, end, Delta_end, zero, zero, zero, zero)
-        if over >= 0.0:
+        if excess >= 0.0:
             return exit_root(force, side, tau, end, Delta, s, c, held, belt, K)
         tau = end
         Delta = Delta_end
@@ -1152,7 +1180,8 @@ def exit_begin(force, side, low, high, Delta, s, c, held, belt, K):
     sine and cosine, and the bracket.
     """
     # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, is often
-    # nearer to the root.
+    # nearer to the root. The slope is drift - fB sin(theta): steepest towards `side` where
+    # sin(theta) is 1 or -1 with the sign of -side fB.
     tau = low
     over = force + Delta
     if side * K.fB < 0.0:
@@ -1216,9 +1245,10 @@ def slips_at(tau, step, side, Delta, s, c, belt, K):
 
 
 def contact_at_dip(tau, free, side, start, walls, S, K):
-    """Find the first zero of a gap that dips below 0 near `tau`, or STALLED.
+    """Find the first zero of a gap that dips below 0 near `tau`, as a `FlightEnd`.
 
-    Up to the time `free` there is none.
+    Up to the time `free` there is none. Its code is HIT, or STALLED where that is not sure:
+    `advance_near` then searches the whole flight.
     """
     # First the bottom of the dip, where v' = 0.
     now = state_at(tau, start, K)
@@ -1242,7 +1272,7 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
     fall = (
         now.F + (0.5 * now.G1 + SIXTH * (now.G2 + 0.25 * now.G3 * shift) * shift) * shift
     ) * shift
-    depth = side * fall - gap
+    depth = side * fall - gap  # `fall` is what v gains up to the bottom
     allowed = tolerance(side, now, start, walls, S, K)
     if not (abs(shift) * K.rate < NEAR and free > 0.0 and bend > 0.0 and depth > 2.0 * allowed):
         return FlightEnd(STALLED, side, now)
@@ -1256,7 +1286,8 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
     else:
         end = contact_near(tau + before, 0.5 * abs(before), side, start, walls, K)
     # It is the first one if the polynomial bound of the gap to each wall, taken backward from it, is
-    # positive as far as the flight is not known to be `free`.
+    # positive as far as the flight is not known to be `free`. The gap to this wall is 0 here: its
+    # bound is divided by the time.
     back = end.now.tau - free
     now = end.now
     G1, G2, G3 = derivatives(start.v, start.F, start.s, start.c, K)
@@ -1276,8 +1307,11 @@ def contact_at_dip(tau, free, side, start, walls, S, K):
 def contact_near(tau, uncertainty, side, start, walls, K):
     """Find the contact with the wall on `side` within `uncertainty` of the time `tau`.
 
-    STALLED if there is none.
+    Return a `FlightEnd`. Its code is HIT, or STALLED where none is found there, or not within
+    MOST_CORRECTIONS: `advance_near` then searches the whole flight.
     """
+    # `local_root` is given v less the belt's speed: the gap on side -1, minus the gap on side 1. A
+    # wall is met while v moves towards it, so side * F > 0: a root on the way back is another contact.
     first = tau
     now = state_at(tau, start, K)
     for _ in range(MOST_CORRECTIONS):
@@ -1295,8 +1329,10 @@ def contact_near(tau, uncertainty, side, start, walls, K):
 def slip_near(tau, uncertainty, side, held, belt, K):
     """Find when the stick that began in state `held` ends, within `uncertainty` of `tau`.
 
-    STALLED if it does not.
+    Return a `StickEnd`. Its code is HIT, or STALLED where it does not end there, or is not found
+    within MOST_CORRECTIONS: `advance_near` then searches the whole stick.
     """
+    # F^(above) ends a stick (side 1) as it rises through 0, F^(below) (side -1) as it falls.
     first = tau
     if side > 0:
         force = held.Fa
