@@ -184,6 +184,7 @@ def compiled(width: int = 0) -> dict[str, Any]:
         raise MissingExtraError("compiling", "fast") from None
     usual = width or lane_types.usual_width()
     callees = {"borrowed": lane_types.borrowed, "power_of_two": lane_types.power_of_two}
+    # the constants that are flags, which tables keep as 0.0 or 1.0
     flags = frozenset(
         name for name, hint in Constants.__annotations__.items() if "bool" in str(hint)
     )
@@ -253,6 +254,7 @@ def column_functions() -> dict[str, Any]:
     widest = elementary.WIDEST
     own["sin"] = lambda x: np.where(abs(x) <= widest, short_sin(x), np.sin(x))
     own["cos"] = lambda x: np.where(abs(x) <= widest, short_cos(x), np.cos(x))
+    # `entire_array` calls functions of `np`: of numpy, but for those that are written here.
     like_numpy = {name: getattr(np, name) for name in ("array", "empty", "shape")}
     like_numpy |= {name: own[name] for name in ("sin", "cos", "exp", "expm1")}
     return own | bind((entire_array,), {"np": types.SimpleNamespace(**like_numpy)})
@@ -480,6 +482,7 @@ def compiled_pairs() -> PairLoops:
 
     plain = compiled()
     callees = {name: plain[function] for name, function in PLAIN_IN_PAIRS.items()}
+    # what the engine calls and pairs do otherwise than doubles, compiled as it is
     own = {
         "min": lambda a, b: b if b < a else a,
         "max": lambda a, b: b if b > a else a,
@@ -487,6 +490,7 @@ def compiled_pairs() -> PairLoops:
     }
     own |= {"two_product": product_and_zero, "select": elementary.select}
     callees |= {name: numba.njit(function) for name, function in own.items()}
+    # Every function is called, but kernels and `derivatives`, which are copied into their callers.
     outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
     replaced = _pair_constants() | {name: getattr(math, name) for name in pairs.FUNCTIONS}
     replaced["from_complex"] = pairs.from_complex
@@ -500,21 +504,27 @@ def interpreted_pairs() -> PairLoops:
     """Return the loops of double-double numbers as CPython runs them."""
     from symosc.kernels import pairs
 
-    def number(z: Any) -> Any:
-        if isinstance(z, complex):
-            return pairs.pair_of(float(z.real), float(z.imag))
-        return z
+    # In tables (PAIR_ROW) and constants a pair is a complex number: hi its real part, lo its
+    # imaginary part.
+    def number(value: Any) -> Any:
+        if isinstance(value, complex):
+            return pairs.pair_of(float(value.real), float(value.imag))
+        return value
 
     def whole(value: Any) -> int:
         return int(value.real if isinstance(value, complex) else value)
 
+    # What stands for names of the engine's source; no name is in two of these groups. First
+    # constants, and functions such as `sin`, which themselves make pairs by numba's `pair`.
     bound = bind((pairs,), {"pair": pairs.pair_of})
-    replaced = _pair_constants() | {
-        name: bound[own.__name__] for name, own in pairs.FUNCTIONS.items()
-    }
-    replaced |= {"float": number, "int": whole, "two_product": product_and_zero}
-    replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
+    replaced = _pair_constants()
+    replaced |= {name: bound[own.__name__] for name, own in pairs.FUNCTIONS.items()}
+    replaced["two_product"] = product_and_zero
+    # The source reads the numbers of a row by float() and int(), and all constants at once.
+    replaced |= {"float": number, "int": whole}
     replaced["from_complex"] = partial(converted, number=number)
+    # What is computed in doubles beside pairs, such as the search for an event.
+    replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     functions = bind(SOURCES, replaced, literal=pairs.Pair)
     return PairLoops(functions["first_pairs"], interpreted(functions["follow_pairs"]))
 
@@ -541,7 +551,7 @@ def pairs_as_complex(value: Any) -> Any:
         if not hasattr(entry, "_mpf_"):
             return entry
         high = float(entry)
-        short = entry._mpf_[3] <= 53  # the bits of its mantissa
+        short = entry._mpf_[3] <= 53  # the bits of its mantissa: a double has them all
         return complex(high, 0.0 if short else float(entry - high))
 
     return converted(value, number)

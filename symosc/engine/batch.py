@@ -535,6 +535,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
             event = advance_near(state, rounded, rough, free, t_end, t_end_low, K)
             step = event.code
             rounded_after = in_doubles(event.state, t0, plain)
+            # decided: events that are not are dropped below
             rounded_event = NextEvent(step, event.boundary, True, event.t_error.hi, rounded_after)
             if step == FAILED or not event.decided:
                 code = UNDECIDED

@@ -5,8 +5,9 @@ This file is executed with other globals: see symosc/kernels/rebind.py.
 
 Everything is divided by the mass. A flight starts at the phase theta with position x0, velocity v0
 and acceleration F0; the displacement dx, the gain in velocity dv and the acceleration F after a
-time tau are the kernel `motion` of the entire functions at tau. Gains are returned rather than
-sums: a flight that starts on a belt leaves it by dv exactly.
+time tau are the kernel `motion` of the entire functions at tau: E1, the response to an impulse, its
+derivative E0, its integral E2, and R2 + i I2, the response to the drive (`symosc.kernels.entire`).
+Gains are returned rather than sums: a flight that starts on a belt leaves it by dv exactly.
 
 The constants of many sets are made at once, from columns of pairs (`symosc.kernels.pair_columns`),
 as the rows of a table with the fields of `Constants`: compiled functions take either.
@@ -48,28 +49,30 @@ from symosc.model import Model, OtherNumbers
 # |i Omega - l2| is at least this part of max(Omega, w0)^2. Nearer to undamped resonance both grow
 # without limit and cancel.
 APART = Fraction(1, 5)
+# The longest time that is evaluated from one starting point, times the rate of the free motion.
 LONGEST_PHASE = 50
-LONGEST_SWING = 10**9
+LONGEST_SWING = 10**9  # `Constants.swing`, times `rate`, without a spring
 # Forcing periods that are passed in one evaluation, at most: their number is a whole number of 64
 # bits.
 MOST_TURNS = 2.0**60
 # A free motion is over after LONGEST_PHASE of its decay times, and heavily damped when that are few
 # of its periods.
 HEAVY = 50
-SLOW_DRIVE = 100
+SLOW_DRIVE = 100  # a drive is slow if the free motion is this many times as fast
 # A free oscillation that loses less than a twentieth of its velocity per radian.
 LASTING = 400
 # Roots this many times as large as all other rates make a system stiff.
 STIFF = 16
-SIGMAS = Fraction(8)
-# Step of the march along a flight near a wall, in units of 1/rate, and stride: about what a bound
-# of the fourth derivative allows in mid-flight. With a slow drive nothing moves as fast as that
-# once the transient has died away.
+SIGMAS = Fraction(8)  # standard errors of the state that a decision must exceed
+# The step of the march along a flight near a wall, times `rate`.
 MARCH_STEP = 1.0
+# The longer step away from walls: about what a bound of the fourth derivative allows in mid-flight.
 STRIDE = 2.0
+# The same if the drive is more than SLOW times as slow as `rate`: once the transient has died away
+# nothing moves as fast as that.
 SLOW_STRIDE = 4.0
 SLOW = 5.0
-# Numbers of these sizes neither overflow nor underflow in any product on the way.
+# Numbers between these sizes neither overflow nor underflow in any product on the way.
 SMALLEST_IN_COLUMNS = 1e-20
 LARGEST_IN_COLUMNS = 1e20
 
@@ -97,6 +100,9 @@ class BeltConstants(NamedTuple):
 class MarchConstants(NamedTuple):
     """The coefficients that carry the transient and the steady state of a flight over one fixed
     step.
+
+    They are the matrix ((C, E1), (D, E0)) for velocity and acceleration of the transient, and the
+    turn of the phase.
     """
 
     step: Number
@@ -193,7 +199,8 @@ def constants(
     depend on Omega where B0 = 0 too; None: whether B0 is not 0.
     """
     # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs
-    # (`constant_table`): then the constants are arrays.
+    # (`constant_table`): then the constants are arrays, and so `either` and `flag ^ True` stand for
+    # conditional expressions and `not`.
     law = parameters.law
     if len(law.belts) > len(TWO_BELTS.boundaries):
         raise ParameterError(
@@ -218,6 +225,7 @@ def constants(
     omega_d = root(number(abs(square)))
     w0 = root(number(w0sq))
     over = under ^ True
+    # Without oscillation: the product of both roots is w0sq, so that nothing cancels in the slow one.
     fast = -(number(h) + omega_d)
     slow = number(w0sq) / either(fast != 0, fast, 1)  # fast = 0 only where w0sq = 0
     rate0 = either(under, w0, -fast)
@@ -326,12 +334,15 @@ def march_rows(table, out):
 
 
 def march_constants(step, functions, K):
-    """Return the fields of a MarchConstants in their order.
+    """Return the numbers of a MarchConstants in the order of its fields: step, C, E1, D, E0, s, c.
 
-    `functions` are E0, E1, E2, R2, I2, sin and cos at the time `step`.
+    `functions` are E0, E1, E2, R2, I2, sin and cos of `basis` at the time `step`.
     """
+    # A plain tuple: `march_rows` writes its entries into a table by their numbers.
     E0, E1, E2, _, _, s, c = functions
-    return step, 1 - K.w0sq * E2, E1, -K.w0sq * E1, E0, s, c
+    C = 1 - K.w0sq * E2
+    D = -K.w0sq * E1
+    return step, C, E1, D, E0, s, c
 
 
 def _period_rest(period: float, Om: float) -> Fraction:
@@ -499,8 +510,8 @@ def _fill_by_program(
         arguments[n, 1] = column.lo
     rows = table.view(np.float64).reshape(len(table), -1)
     run_program(program.operations, program.constants, program.results, arguments, rows, doubts)
-    for number, y, x in program.angles:
-        rows[:, number] = atan2_of_columns(rows[:, y], rows[:, x])
+    for column_number, y, x in program.angles:
+        rows[:, column_number] = atan2_of_columns(rows[:, y], rows[:, x])
 
 
 @lru_cache(maxsize=64)
@@ -635,13 +646,15 @@ def stiff_derivatives(tau, start, s, c, K):
     # With k = 0 the mean velocity is a part of the transient, as one of its roots is 0.
     v_free = v0 - (K.Ss * s0 + K.Sc * c0)
     F_free = F0 - K.Om * (K.Ss * c0 - K.Sc * s0)
+    # v_free is the sum of a term for each root, F_free that of the terms times their roots. `fast` is
+    # that of the fast root at launch first; then both names are second derivatives at `tau`.
     fast = (F_free - K.l1 * v_free) / (K.l2 - K.l1)
     slow = (v_free - fast) * exp(K.l1 * tau) * K.l1 * K.l1
     fast = fast * exp(K.l2 * tau) * K.l2 * K.l2
     v_steady = K.Ss * s + K.Sc * c
-    u_steady = K.Om * (K.Ss * c - K.Sc * s)
+    F_steady = K.Om * (K.Ss * c - K.Sc * s)
     G1 = slow + fast - Om2 * v_steady
-    G2 = slow * K.l1 + fast * K.l2 - Om2 * u_steady
+    G2 = slow * K.l1 + fast * K.l2 - Om2 * F_steady
     return G1, G2, slow * K.l1 * K.l1 + fast * K.l2 * K.l2 + Om2 * Om2 * v_steady
 
 
@@ -657,7 +670,7 @@ def velocity_scale(tau, v0, F0, K):
     acceleration `F0`.
     """
     # Not the terms themselves: they come back to 0 after a period of a free oscillation, their
-    # errors do not.
+    # errors do not. They grow with tau at first (`early`), and stop after about 1/w0 (`late`).
     rise = 0.5 * tau * tau
     drive = abs(K.fB) * rise
     if K.steady:

@@ -26,7 +26,9 @@ What keeps it equal: tests/engine/test_lanes.py compares each lane's step with t
 source bit by bit, on random motions, at two widths, and beside other neighbours.
 
 A wall that is not there has an infinite gap. Lanes without a result may hold any numbers; `good`
-flags those with one. Other arguments are those of the scalar functions, one number for each lane.
+flags those with one. Flags that are all set, or none, are made from numbers (`zero == 0.0`, `zero !=
+0.0`, `good & ~good`), as only these have the width of the lanes. Other arguments are those of the
+scalar functions, one number for each lane.
 """
 
 from __future__ import annotations
@@ -214,6 +216,7 @@ def fly(state, remaining, K):
     zero = 0.0 * tau_max
     G1, G2, G3 = derivatives(v0, F0, s0, c0, K)
     begin = Flown(zero, zero, zero, F0, G1, G2, G3, s0, c0, 1.0 + zero, zero, zero)
+    # what `search_begin` does; a flat start is left to the scalar loop
     flat = (
         (on_below | on_above)
         & (F0 == 0.0)
@@ -285,6 +288,7 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
     stride = K.stride.step
     guess = now.dv + (now.F + 0.5 * now.G1 * stride) * stride
     long = (below + guess > 0.0) & (above - guess > 0.0)
+    # At the launch tau is 0: all lanes are active, and none has hit a wall.
     active = now.tau == 0.0
     hit = now.tau < 0.0
     side = now.tau
@@ -301,6 +305,7 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
         lift = lifted(M.step, M4, slack)
         within = there.tau < tau_max
         h = there.tau - now.tau
+        # what `is_free` does for the lower wall, then for the upper one
         g0 = below + now.dv
         d0 = h * now.F
         g1 = below + there.dv
@@ -322,6 +327,7 @@ def march_side_by_side(tau_max, v0, now, walls, margin, K):
         if any_of(stuck):
             last_dv = select(within, there.dv, now.dv)
             near = (since == now.tau) | ~((below + last_dv > 0.0) & (above - last_dv > 0.0))
+            # Where a march does not end, it tries a usual step or a new bound.
             ends = stuck & ~long & near
             renewed = stuck & (ends | (since < now.tau))
             if any_of(renewed):
@@ -515,6 +521,8 @@ def slip(state, remaining, K):
 def end_of_stick(held, belt, K):
     """Find for each lane the piece, from `low` to `high`, in which a force on the belt changes
     monotonically to 0.
+
+    Return (good, force, side, low, high, Delta, s, c): what `belt_exit` hands to `exit_root`.
     """
     zero = 0.0 * held.theta
     period = K.period
@@ -550,11 +558,11 @@ def end_of_stick(held, belt, K):
         Delta_end = select(turning, Delta_end, belt.drift * end)
         rising = Delta_end > Delta
         force_here = select(rising, held.Fa, held.Fb)
-        over = select(rising, force_here + Delta_end, -force_here - Delta_end)
+        excess = select(rising, force_here + Delta_end, -force_here - Delta_end)
         turning = (end < period) | (at_period & (end == period))
-        unclear = turning & (abs(over) <= force_noise(held.Fb, end, held.S.S11, belt, K))
+        unclear = turning & (abs(excess) <= force_noise(held.Fb, end, held.S.S11, belt, K))
         open_yet = open_yet & ~(here & (unclear | (Delta_end == Delta)))
-        ends_here = here & open_yet & (over >= 0.0)
+        ends_here = here & open_yet & (excess >= 0.0)
         good = good | ends_here
         open_yet = open_yet & ~ends_here
         force = select(ends_here, force_here, force)
@@ -597,7 +605,7 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
     done = good & ~good
     exact = False
     shift = 0.0 * tau
-    for _ in range(MOST_EVALUATIONS + 1):
+    for _ in range(MOST_EVALUATIONS + 1):  # the first point is a guess, as in `exit_root`
         third = Om2 * (belt.drift - slope)
         if exact:
             fast = is_beside(over, slope, bend, K)

@@ -38,7 +38,7 @@ of the search. `v_noise` is the rounding error of the velocity, `S` the covarian
 x and v, and `s`, `c` are sine and cosine of the phase.
 
 All functions are scalar and run on floats (CPython, numba) and, with other globals, on pairs and
-mpmath numbers.
+mpmath numbers; `0.0 * F` is a zero of the same kind of number as F.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ from symosc.kernels.rebind import outlined
 
 TWO_PI = 2.0 * acos(-1.0)
 TWO_PI_REST = 2.4492935982947064e-16  # 2 pi - TWO_PI
-MANY_TURNS = 64.0
+MANY_TURNS = 64.0  # from so many on, whole turns are taken off a phase by a division
 # A search ends a little later than the motion: a contact exactly at its end would else not be
 # found, nor excluded.
 PAST_END = 1e-9
@@ -123,7 +123,7 @@ TIME_ROUNDING = 2.0**-50
 # Errors of x and v behind a slip are correlated but for this part of the variance.
 UNCORRELATED = 2.0**-20
 # A flight without an event is taken over from doubles if its search was not made longer
-# (`apart_from_walls`).
+# (`apart_from_walls`, which adds eighths of `K.chunk`).
 USUAL_LENGTH = 1.0625
 
 
@@ -238,9 +238,8 @@ def after_flight(state, end, start, remaining, K):
         return NextEvent(FAILED, boundary, False, 0.0, there)
     if code == TANGENCY:
         F = 0.0 * F
-    elif (
-        now.tau * K.rate > SERIES_BELOW
-    ):  # after short flights `F` is the more accurate one: it grew from F0
+    # After short flights `now.F` is the more accurate one: it grew from F0.
+    elif now.tau * K.rate > SERIES_BELOW:
         F = acceleration(x, v, now.c, constant_force(mode, K), K.cm, K.w0sq, K.f0)
     return meet_belt(
         State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low),
@@ -315,7 +314,9 @@ def creeps_for_ever(state, K):
     v = state.v
     F = state.Fb
     S = state.S
-    # `kept` says that u >= 0 (see the top of the module), beyond doubt; the drift is that of r.
+    # `kept` says that u = g' - l2 g >= 0 (see the top of the module), beyond doubt. At the lower belt
+    # r is its drift, at the upper one minus its drift. Without a spring l2 = -c/m, and u is
+    # (A_alpha - c v_lambda)/m or minus that: a limit, of which the sign is known.
     terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
     noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
     slower, faster = speeds_around(mode, K)
@@ -413,6 +414,7 @@ def meet_belt(there, end, v_noise, remaining, K):
         return graze_belt(there, G1, G2, G3, v_noise, now.tau, remaining, K)
     if vague:
         F = 0.0 * F
+    # F is the force on the side that the flight comes from.
     if upward:
         Fb = F
         Fa = F - belt.J
@@ -421,6 +423,7 @@ def meet_belt(there, end, v_noise, remaining, K):
         Fa = F
     held_below, held_above = held_forces(Fb, Fa, belt)
     decided = not vague
+    # The force beyond the belt decides between crossing and stick.
     if upward:
         far_force = held_above
     else:
@@ -539,6 +542,9 @@ def following_sign(v, F, s, c, K):
         if F > 0.0:
             return 1
         return -1
+    # `before`, `now` and `after` are three G-functions in a row, and G^(n+1) follows from the two
+    # before it and the drive. `power` is Omega^n; `drive_s` and `drive_c` are fB s and fB c,
+    # differentiated as often.
     before = v
     now = F
     power = 1.0
@@ -632,8 +638,8 @@ def error_after_slip(S, part, v_error):
     """Return the covariance of x and v behind a slip that begins with an acceleration E > 0.
 
     A change dx moves the slip by dt = (k/m) dx/|slope|, and so the velocity at a fixed time by
-    -E dt, on either side. `v_error` is E times the error of the slip's time, and `part` is what
-    that of x has in it.
+    -E dt, on either side. `v_error` is E times the error of the slip's time, and `part` the
+    fraction of that error that comes from the error of x.
     """
     # A little more than S12^2/S11, as the determinant must not get below 0 by rounding.
     variance = v_error * v_error
@@ -653,7 +659,7 @@ def advance_phase(n, theta, theta_low, tau, K):
         return n + 1, theta, theta_low
     theta, theta_low = phase_after(theta, theta_low, tau, K)
     if theta >= MANY_TURNS * TWO_PI:  # without a drive, see `symosc.engine.flow`
-        turns = int(theta / TWO_PI) - 1
+        turns = int(theta / TWO_PI) - 1  # the last ones are left to the loop
         theta = (theta - turns * TWO_PI) - turns * TWO_PI_REST
         n = n + turns
     while theta >= TWO_PI:
@@ -760,9 +766,9 @@ def advance_near(state, rough, rough_event, free, t_end, t_end_low, K):
     # which contact is the first and how it is met, many digits would find the same one. So these
     # begin at its time, take a step of Newton's method or two with the exact flow, and go on as
     # after a search of their own. Where doubles see a touch they begin there too
-    # (`contact_at_dip`). They search themselves where the end found so is not the one expected,
-    # where doubles cannot decide otherwise, and where the end of the search is the question. The
-    # rounding of `rough` is a part of its error.
+    # (`contact_at_dip`). They search themselves (the last line) where the end found so is not the
+    # one expected (STALLED), where doubles cannot decide otherwise, and where the end of the search
+    # is the question. The rounding of `rough` is a part of its error.
     code, boundary, decided, t_error, there = rough_event
     tau = (there.t - rough.t) + (there.t_low - rough.t_low)
     if K.creeps or not tau > 0.0:

@@ -156,6 +156,7 @@ def start_rows(
     `at` is the belt or 0, `phase` holds theta and theta_low, and `times` t, t_low, t_end, t_end_low
     and t0; `K` has the constants, for all rows or one for each.
     """
+    # the domain; of a start on a belt for now the one below it
     mode = np.where(at > 0, at, 1 + (v > K.belt1.v) + (v > K.belt2.v))
     theta, theta_low = phase
     s, c = column_functions()["sine_cosine"](theta)
@@ -172,6 +173,7 @@ def start_rows(
     up = (at > 0) & (held_above > 0.0)
     down = (at > 0) & (held_below < 0.0)
     held = (at > 0) & ~up & ~down
+    # In a flight both are its acceleration, in a stick the forces that hold the mass.
     Fb = np.where(up, above, np.where(held, held_below, below))
     Fa = np.where(up, above, np.where(held, held_above, below))
     t, t_low, t_end, t_end_low, t0 = times
@@ -232,7 +234,8 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         clear = CLEAR_FORCE * force_terms(at, x, K) + reach_of_error(start, arithmetic)
         if min(abs(begun.below), abs(begun.above)) <= clear:
             exact = _decided_start(start, at)
-            begun = BeltStart(exact.boundary, exact.mode, *map(arithmetic.rounded, exact[2:]))
+            forces = (exact.below, exact.above, exact.E)
+            begun = BeltStart(exact.boundary, exact.mode, *map(arithmetic.rounded, forces))
         mode = begun.mode
         (Fb, Fa) = begun.forces
     else:
@@ -410,7 +413,8 @@ def continued(state: State, eps: Fraction, arithmetic: MpArithmetic) -> State:
     Fb, Fa = forces()
     if state.mode <= ON_BELT and state.Fb == 0:
         for _ in range(MOST_CORRECTIONS):
-            slope = K.fB * phase[0] + K.w0sq * v
+            s, _ = phase
+            slope = K.fB * s + K.w0sq * v  # how fast the force falls, at a constant v
             if abs(Fb) <= abs(slope) * span:
                 shift = Fb / slope
             else:

@@ -29,8 +29,8 @@ MOVED = 5
 END = 6
 REST = 7
 FAILED = 8
-# What a search along a flight or a stick ends with; LOST: the gap is, and stays, 0 within its
-# error.
+# What a search along a flight or a stick ends with. STALLED: it is not sure; a step whose search
+# ends so is FAILED, and more digits follow. LOST: the gap is, and stays, 0 within its error.
 NOTHING = 0
 HIT = 1
 TANGENCY = 2
@@ -40,7 +40,8 @@ LOST = 4
 DOMAIN_BELOW = -1
 DOMAIN_ABOVE = 1
 BELT = 0
-# What a trajectory of a batch ended with, beside the codes of a step.
+# What a trajectory of a batch ended with, beside the codes of a step. FULL: it has as many events
+# as are wanted. UNDECIDED, INEXACT: its next event is to be found with more digits.
 RUNNING = 0
 FULL = -1
 UNDECIDED = -2

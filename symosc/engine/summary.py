@@ -50,8 +50,8 @@ from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import EPS, SIXTH, basis_with_drive
 from symosc.kernels.rebind import outlined
 
-# Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and the
-# extremes of the ends of steps alone.
+# Columns of `Tally.floats`: time that is left out, stuck time, extremes, the last state, and (LOW,
+# HIGH) the extremes of the ends of steps alone.
 SKIPPED, STUCK, X_MIN, X_MAX, V_MIN, V_MAX, T_LAST, X_LAST, V_LAST, X_LOW, X_HIGH, V_LOW, V_HIGH = (
     range(13)
 )
@@ -72,7 +72,7 @@ FLIES, SINCE, FROM_THETA, FROM_X, FROM_V, FROM_F, S11_THERE, S22_THERE = range(8
 # An event, or the end of a motion, is at a section if its phase is not farther from it, beside its
 # error.
 AT_SECTION = 1e-9
-MOST_AT_SECTION = 1e-3
+MOST_AT_SECTION = 1e-3  # the largest error of a phase that counts so
 # Words of a period are compared by a number; of up to 17 mappings by all of them. Small enough for
 # 64 bits.
 WORD_MODULUS = 2**56 - 5
@@ -318,6 +318,7 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
     n = tally.ints[i, LIKE]
     v_slack = 0.5 * WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
     x_slack = 0.5 * WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
+    # by how much the root of the energy may differ, per difference of the phases
     if K.steady:
         turned_by = 2.0 * K.V0 * (1.0 + K.w0 / K.Om)
     else:
@@ -396,7 +397,7 @@ def close_word(i, tally):
     ring = tally.words.shape[1]
     length = ints[i, LENGTH]
     if ints[i, WHOLE] == 1:
-        # Words are told apart by their code and their length, which makes the last 6 bits.
+        # Words are told apart by their code and, in the last 6 bits, their length modulo 64.
         tally.words[i, ints[i, SECTIONS] % ring] = ints[i, CODE] * 64 % WORD_MODULUS + length % 64
         for n in range(min(length, labels.shape[2])):
             labels[i, 1, n] = labels[i, 0, n]
@@ -421,7 +422,7 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
     if code == REST:  # without any more events
         rest = rest_of(remaining, K)
         n, theta, _ = advance_phase(last.n, last.theta, last.theta_low, rest, K)
-        n = n + int((remaining - rest) / K.period + 0.5)
+        n = n + int((remaining - rest) / K.period + 0.5)  # whole periods, rounded
         if tally.asked.extent or tally.asked.stuck:
             rest_stretches(i, last, remaining, t0, tally, K)
         if tally.asked.ring > 0:
@@ -630,7 +631,7 @@ def flight_extremes(begin, last, start, x0, own, open_ends, K):
         if now.tau >= last.tau:
             break
         M4 = fourth_derivative_bound(now.G2, now.G3, now.s, now.c, K)
-        if not K.steady and cell * K.Om > 1.0:
+        if not K.steady and cell * K.Om > 1.0:  # M4 holds for 1/Omega only
             cell = 1.0 / K.Om
         then = last
         if cell < last.tau - now.tau:
@@ -650,7 +651,7 @@ def end_of_flight(before, after, tau, K):
     """Return the end of a flight as a point (`Flown`, without its E0, E1, E2) from the states
     before and after it.
     """
-    if K.stiff:
+    if K.stiff:  # derivatives need `stiff_derivatives`
         return state_at(tau, launch_of(before), K)
     F = acceleration(after.x, after.v, after.c, constant_force(before.mode, K), K.cm, K.w0sq, K.f0)
     return point(
@@ -661,7 +662,7 @@ def end_of_flight(before, after, tau, K):
 def point(tau, dx, dv, there, K):
     """Return a point (`Flown`) with gains dx, dv at `tau`; `there` has v, F, sine, cosine.
 
-    E0, E1, E2 are unset.
+    E0, E1, E2, which carry errors only, are those at tau = 0.
     """
     v, F, s, c = there
     G1, G2, G3 = derivatives(v, F, s, c, K)
@@ -718,6 +719,7 @@ def within(reach, direction, now, M4, v0, x0, seen, open_ends):
     if not open_ends.x:
         return True
     slack = WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
+    # M3 bounds the fourth derivative of x, the third of v.
     M3 = abs(now.G2) + (abs(now.G3) + 0.5 * M4 * reach) * reach
     slope = direction * v
     half = 0.5 * now.F
@@ -732,7 +734,7 @@ def stays_positive(reach, p0, p1, p2, p3, p4):
     """Return whether the polynomial with the coefficients p0 to p4 is proven positive on [0, reach],
     even if it falls at first.
     """
-    # p1 s + p2 s^2/2 is not below -p1^2/(2 p2)
+    # p1 s + p2 s^2/2 is not below -p1^2/(2 p2): that is taken off p0, and half of p2 is left
     if p1 < 0.0 and p2 > 0.0 and p1 * p1 < 2.0 * p0 * p2:
         return positive_on(reach, (p0 - 0.5 * p1 * p1 / p2, 0.0, 0.5 * p2, p3, p4))
     return positive_on(reach, (p0, p1, p2, p3, p4))

@@ -59,7 +59,8 @@ OPENS_BELOW = 3
 # small.
 REGULAR, KINK, ROUGH, NO_SLOPE, FLAT_CONTACT, NO_FORCE = range(6)
 # Rows of `work`: derivatives of t, x and v at the launch; of x and v at a fixed time at the end,
-# with the size of the latter's terms; and derivatives of both by the parameters alone.
+# with the size of the latter's terms; and derivatives of both by the parameters alone, of which
+# there is a column for each parameter.
 DT, DX, DV, END_X, END_V, SIZE, BY_X, BY_V = range(8)
 
 
@@ -191,7 +192,7 @@ def piece_changes(start, t, turn, codes, deep, letters, K, work):
         dt = work[DT, j]
         dx = work[DX, j]
         dv0 = work[DV, j]
-        # 1 + v_v0 = E0, which may be small
+        # The derivative of v by v at the launch is E0, which may be small.
         of_x = v_x0 * dx
         of_t = v_t0 * dt
         of_v = E0 * dv0
@@ -230,7 +231,7 @@ def vanishes(domain, boundary, now, K):
 
 
 def force_changes(domain, boundary, now, codes, letters, K, work):
-    """Write the deciding force's derivatives by `codes` into `work`.
+    """Write the deciding force's derivatives by `codes` into row SIZE of `work`.
 
     Return its rates in time by the motion and by the drive.
     """
@@ -256,7 +257,8 @@ def vanishing_times(domain, boundary, now, codes, letters, K, work):
 
     Return REGULAR, or what is wrong.
     """
-    # Rows END_X and END_V have the derivatives of x and v at this fixed time.
+    # Rows END_X and END_V have the derivatives of x and v at this fixed time. `force_changes` leaves
+    # those of the force in row SIZE.
     by_motion, by_drive = force_changes(domain, boundary, now, codes, letters, K, work)
     rate = by_motion + by_drive
     rounding = EPS * (abs(by_motion) + abs(K.f0 * K.Om))
@@ -387,7 +389,7 @@ def tangents(motions, cuts, starts, sets, rows, codes, deep, letters, table, out
                         marks[n, j] = 1
                     else:
                         marks[n, j] = 0
-            if kind == GRAZE:
+            if kind == GRAZE:  # the flight goes on from its launch
                 work[: SIZE + 1] = kept
                 continue
             if len(codes) > count:
@@ -424,7 +426,7 @@ def begin(start, codes, count, letters, K, work):
 
     Return which of the first `count` are valid.
     """
-    # On a belt it is not for a number that takes the start off the belt, or that may change a force
+    # On a belt a column is not valid if its number takes the start off the belt, or may change a force
     # that is 0 there.
     regular = [True] * count
     for j in range(len(codes)):
@@ -471,7 +473,7 @@ def grow(i, start, now, kind, turn, growth, count, columns, K, work):
         for row in range(DV + 1):
             for j in range(count, columns):
                 work[row, j] = work[row, j] / size
-    if start.mode > ON_BELT or kind == STICK:
+    if start.mode > ON_BELT or kind == STICK:  # a belt takes the velocity away: no area is left
         growth[i, 1] = -inf
     else:
         before = force(start.mode, now, K)[0]
@@ -480,4 +482,5 @@ def grow(i, start, now, kind, turn, growth, count, columns, K, work):
             ratio = abs(float(after / before))
         else:
             ratio = 1.0
+        # a flight shrinks areas by exp(-(c/m) time), a crossing changes them by the forces' ratio
         growth[i, 1] += (log(ratio) if ratio > 0.0 else 0.0) - float(K.cm * turn / K.Om)

@@ -513,7 +513,8 @@ class MotionInDigits(Motion):
         x = float(event.state.x)
         noise = self._limits.noise
         if self.from_start:
-            # Where neighbouring motions move apart, digits are eaten however exact the start is.
+            # Where neighbouring motions move apart, digits are eaten however exact the start is: no
+            # more is asked for than doubles would have to give.
             least = max(self._limits.accuracy, EPS)
             self.is_known = not batch.is_inexact(t, t_error, x, x_error, self._rounded_t0, least)
         else:
@@ -604,6 +605,7 @@ class FinerMotion:
         (start, *_) = self._problem
         if isinstance(now, MotionInPairs):
             return self._go_on(self._least, now)
+        # From t0 on the error has grown too large: again, with twice the digits.
         if now.from_start and not now.is_known:
             digits = 2 * now.digits
             self.open_at = float(now.state.t)
@@ -624,7 +626,7 @@ class FinerMotion:
         # The digits that confirm a graze at this contact, and at any until t_end.
         times = now.elapsed, start.t_end - start.t0
         needed, whole = (digits_to_confirm_graze(now, span, base, least) or inf for span in times)
-        if least > MOST_SHRINKING:
+        if least > MOST_SHRINKING:  # gaps that get smaller without end
             needed = inf
         if now.from_start and now.code != FAILED and now.digits >= needed:  # it is a graze
             self._asked_at = inf
@@ -632,14 +634,17 @@ class FinerMotion:
         self.open_at = float(now.state.t)
         self.open_in = now.digits
         now.undo()
+        # A gap that has died away: from t0 with as many digits as die away until t_end.
         if (
             now.code == FAILED
             and now.is_known
             and now.digits < whole < base + GRAZE_SPARE + MOST_FAST
         ):
             return self._go_on(int(whole))
+        # Digits do not help from here on: once more from t0, unless this motion began there.
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
+        # From the state before the contact: with what `whole` asks for, if that is not much more.
         self._asked_at = events_before
         if least:
             most = needed
