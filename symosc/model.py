@@ -525,9 +525,11 @@ class Oscillator(Model):
             )
         first, *second = self.belts
         if second:
-            v2, mu2 = second[0].v, second[0].mu
+            v2 = second[0].v
+            mu2 = second[0].mu
         else:
-            v2, mu2 = self._out_of_reach(), Fraction(0)
+            v2 = self._out_of_reach()
+            mu2 = Fraction(0)
         shared = {name: getattr(self, name) for name in OSCILLATOR_NAMES}
         return Parameters(**shared, v1=first.v, mu1=first.mu, v2=v2, mu2=mu2)
 
@@ -571,6 +573,7 @@ class Oscillator(Model):
         belts: Any = _read_belts(changes.pop("belts", self.belts))
         of_belts = dict[int, dict[str, Any]]()
         for name, value in changes.items():
+            # mu_s1 is the number `mu_s` of belt 1
             belt = name.rstrip("0123456789")
             number = name[len(belt) :]
             if name in shared:

@@ -164,6 +164,7 @@ def impulse_integral(tau, E1, K):
     """
     real1, imag1, real2, imag2 = roots(K)
     real, imag = expm1_over(real1, imag1, tau)
+    # the real part of (E1 - (exp(l1 tau) - 1)/l1)/l2
     return -((real - E1) * real2 + imag * imag2) / (real2 * real2 + imag2 * imag2)
 
 

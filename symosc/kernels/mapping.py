@@ -173,7 +173,8 @@ def divided_difference(n0, n1, n2, n3, nodes, tau, known, there):
     while not there[key]:
         counts = stack[-1]
         far, first, last = farthest(counts, nodes)
-        # One node less: the last one, then the first one.
+        # One node less, the last one or the first one: the difference of both, over that of the
+        # nodes, is the one with all. `first_key` and `second_key` are in the order of need.
         without_last = one_less(counts, last)
         without_first = one_less(counts, first)
         first_key = key_of(without_last)
@@ -232,8 +233,7 @@ def difference_by_series(counts, nodes, tau):
     """Return the divided difference of exp(z tau) over `nodes` near each other, node i taken
     counts[i] times.
     """
-    # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, which are n +
-    # 1.
+    # h_j is the complete homogeneous symmetric polynomial of degree j of the nodes, n + 1 of them.
     # Each 0.0 * something is a 0 of its type: complex, or real, or an array.
     size = 0
     largest = 0.0 * tau

@@ -52,9 +52,9 @@ BITS_PER_DIGIT = math.log2(10)
 # Below this time, times `rate`, the series takes fewer operations than the differences, which lose
 # a factor as small as this for each of three nodes.
 MP_SERIES_BELOW = 2.0**-8
-SERIES_GUARD_BITS = 10
-SHORT_TIME_BITS = 24
-ROOT_BITS = 200
+SERIES_GUARD_BITS = 10  # with which the series is computed beyond those of the result
+SHORT_TIME_BITS = 24  # that differences lose at the shortest time: 8 for each of three nodes
+ROOT_BITS = 200  # in which the gaps between nodes are measured
 
 
 @lru_cache(maxsize=256)

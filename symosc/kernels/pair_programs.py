@@ -27,7 +27,8 @@ CANCELLED = 2.0**-90
 # that all registers stay in the processor's nearest cache.
 TOGETHER = 32
 
-# Operations on pairs; a sum that is watched flags rows that lost their digits.
+# Operations, by kind: `run_operation` tells the kinds by their order.
+# On pairs; a sum that is watched flags rows that lost their digits.
 SUM = 0
 WATCHED_SUM = 1
 PRODUCT = 2
@@ -114,6 +115,7 @@ class Recorder:
 
     def note(self, operation: int, *operands: Any) -> tuple[str, int]:
         """Note an operation, and return the register of its result."""
+        # An operation has three operands; those that it does not use repeat the first.
         registers = [self.register(operand) for operand in operands]
         registers += registers[:1] * (3 - len(registers))
         self._operations.append((operation, *registers))  # type: ignore[arg-type]
@@ -323,6 +325,8 @@ def run_program(operations, constants, results, arguments, out, doubts):
     """Compute a program for all rows: `arguments` (arguments, 2, rows) are pairs, `out` (rows,
     results) takes the doubles, and `doubts` the flags of rows that lost digits.
     """
+    # `r` holds the registers of some rows: by register, then high and low part, then row. Arguments
+    # come first, then constants, then the results of the operations.
     first = arguments.shape[0]
     known = first + constants.shape[0]
     r = np.zeros((known + operations.shape[0], 2, TOGETHER))

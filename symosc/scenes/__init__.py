@@ -226,7 +226,8 @@ class Scene(Drawable):
         errors = own.start_error
         exact = (Fraction(0),) * 3
         if errors is not None or rounding is not None:
-            known = zip(START_NAMES, errors or exact, rounding or exact, strict=False)
+            # A new number has the error of its rounding, another one keeps what it had.
+            known = zip(STARTS, errors or exact, rounding or exact, strict=True)
             errors = tuple(new if name in given else old for name, old, new in known)  # type: ignore[assignment]
         start["start_error"] = errors
         if self.original is None:

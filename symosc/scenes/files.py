@@ -14,9 +14,9 @@ from symosc.base.quantities import forcing_periods, read_number
 from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES
 from symosc.reductions import MODEL_NAMES
 
-#: The keys of a table that are needed, and those that may be there.
+#: The required keys of a table, and the optional ones.
 Keys: TypeAlias = tuple[tuple[str, ...], tuple[str, ...]]
-#: The tables of a scene file.
+#: The tables of a scene file; "" is what stands outside of them.
 TABLES: dict[str, Keys] = {
     "": (("start", "t_end", "parameters"), ("name", "structure", "source", "reference")),
     "parameters": (PARAMETER_NAMES, ()),
@@ -43,11 +43,11 @@ BELT_KEYS: Keys = (("v", "mu"), ("mu_s", "curve", "slope"))
 CURVE_KEYS: Keys = (("v",), ("mu", "mu_s", "curve", "slope"))
 #: Names of belts' numbers in [parameters], which exclude tables [[belts]].
 OF_NUMBERED_BELTS = tuple(name for name in PARAMETER_NAMES if name not in OSCILLATOR_NAMES)
-#: Scene files have some 500 characters, more if numbers have thousands of digits. tomllib takes
-#: minutes and gigabytes for a key of ten thousand parts. The last number is how many characters a
-#: note shows of a long number.
+#: Scene files have some 500 characters, more if numbers have thousands of digits.
 MOST_CHARACTERS = 100_000
+#: In a line: tomllib takes minutes and gigabytes for a key of ten thousand parts.
 MOST_DOTS = 200
+#: Characters that a note shows of a long number.
 SHOWN_PART = 24
 #: Characters that may be read to find a line: a file that takes more is no scene that somebody
 #: wrote.

@@ -186,6 +186,7 @@ def warm() -> list[Warmed]:
     batch = batch_of(none)
     out = event_buffer(0)
     row = np.array([first_row(start, in_doubles)], STATE_ROW)
+    # what `tangents` takes: t, theta, x, v and the codes of events; dt, dx, marks, reasons, growth
     columns = *(np.zeros(0),) * 4, *(nothing,) * 3
     changes = (
         *(np.zeros((0, 1)),) * 2,
@@ -198,6 +199,7 @@ def warm() -> list[Warmed]:
     work = np.zeros((8, 11))
     pair_rows = np.zeros(0, PAIR_ROW)
     limits = engine_batch.PairLimits(1, 1.0, 0, 1.0, table, table)
+    # what `run_program` takes: operations, constants, results; arguments, out, doubts
     program = (
         *(np.zeros((0, 4), np.int64), np.zeros((0, 2)), nothing),
         *(np.zeros((0, 2, 0)), np.zeros((0, 0)), np.zeros(0, bool)),

@@ -641,7 +641,7 @@ class FinerMotion:
             and now.digits < whole < base + GRAZE_SPARE + MOST_FAST
         ):
             return self._go_on(int(whole))
-        # Digits do not help from here on: once more from t0, unless this motion began there.
+        # More digits from the state before do not help: once more from t0, unless it began there.
         if now.code == FAILED or now.digits >= needed or needed == inf or not now.is_known:
             return not now.from_start and self._go_on(now.digits)
         # From the state before the contact: with what `whole` asks for, if that is not much more.

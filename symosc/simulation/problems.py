@@ -216,12 +216,12 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     # is exact.
     size = abs(values)
     inside = (size >= LEAST_IN_REACH) & (size < MOST_IN_REACH) & (np.frexp(size)[0] != 0.5)
-    usual = np.where(inside, size, 3.0)
+    usual = np.where(inside, size, 3.0)  # any number will do in the other rows
     exponent = np.floor(np.log10(usual)).astype(np.int64)
     unit = 0.5 * np.spacing(usual)
     rest = np.zeros(len(values))
     sure = values == 0.0
-    whole = inside | sure
+    is_decided = inside | sure
     for digits in (15, 16, 17):
         power = POWERS[np.clip(digits - 1 - exponent, 0, 22)]
         high, low = two_product(usual, power)
@@ -231,9 +231,9 @@ def decimal_rest(values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         fits = inside & ~sure & (abs(lacking) < unit * power)
         rest = np.where(fits, np.sign(values) * lacking / power, rest)
         sure = sure | fits
-    # A power of two, as a rule 1, 2 or 4.
-    whole_power = ~whole & (size < 2.0**53) & (np.rint(size) == size)
-    return rest, sure | whole_power
+    # Other whole numbers print as they are: powers of two, as a rule 1, 2 or 4.
+    is_whole = ~is_decided & (size < 2.0**53) & (np.rint(size) == size)
+    return rest, sure | is_whole
 
 
 class ParameterSets:
@@ -290,6 +290,7 @@ class ParameterSets:
         columns = self.columns = {name: NumberColumn(name, parameters[name]) for name in self.names}
         self.count = common_length({name: len(column) for name, column in columns.items()})
         # Rows that may be wrong are read as objects, which say why.
+        # Optional names are those of belts: without its number `mu_s1` is the quantity mu_s.
         lowest = {name: least(name if name in required else name[:-1]) for name in self.names}
         doubtful = [
             columns[name].hi < float(low) for name, low in lowest.items() if low is not None
@@ -474,6 +475,7 @@ class Problems:
         else:
             K = table.view(np.recarray)
         driven = np.asarray(K.driven) != 0
+        # 6/Omega is a little less than a period, 0.9 chunk than what one search covers.
         longest = np.where(driven, 6.0 / Omega.hi, 0.9 * np.asarray(K.chunk)) * MOST_PERIODS
         unclear |= t_end.hi - t0.hi > longest  # near the end of what is followed at all
         states, small_force = start_rows(at, (theta.hi, theta.lo), x0.hi, v0.hi, times, K)
@@ -529,7 +531,7 @@ class Problems:
         in_pairs["t_end"].real = states["t_end"]
         in_pairs["t_end"].imag = states["t_end_low"]
         in_pairs["t0"] = in_pairs["t"]
-        known = {0j: 0j}
+        known = {0j: 0j}  # phases by times, which many motions share; both are 0 at t0 = 0
         for i, t0 in enumerate(in_pairs["t0"].tolist()):
             if t0 not in known:
                 known[t0] = phase(self.t0.exact(int(rows[i])))

@@ -84,8 +84,7 @@ MOST_EXACT_EVENTS = 20_000
 # With `digits`, more than this many times the digits are tried only to tell a graze from a near
 # miss.
 MOST_WORKING = 12
-# Events of the first block of a motion in doubles, and of the largest one.
-FIRST_BLOCK = 64
+FIRST_BLOCK = 64  # events for which the first block of a motion in doubles has room
 
 
 @public
