@@ -182,6 +182,7 @@ def compiled(width: int = 0) -> dict[str, Any]:
         from symosc.kernels import lane_types
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
+    # 0: no lanes; then no function of lanes is ever called or compiled, and any width will do.
     usual = width or lane_types.usual_width()
     callees = {"borrowed": lane_types.borrowed, "power_of_two": lane_types.power_of_two}
     # the constants that are flags, which tables keep as 0.0 or 1.0

@@ -422,8 +422,8 @@ def wall_met(now, there, free_below, free_above, M4, slack, walls):
 
 
 def free_motion(v0, now, walls, margin, K):
-    """Return v and v' of the transient at `now`, the `slack` that gaps must exceed, which walls are
-    out of reach.
+    """Return (v_free, F_free, slack, beyond_below, beyond_above): v and v' of the transient at `now`,
+    what gaps must exceed, and which walls are out of reach.
     """
     v_free = v0 - (K.Ss * now.s + K.Sc * now.c)
     F_free = now.F - K.Om * (K.Ss * now.c - K.Sc * now.s)
@@ -620,7 +620,7 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last_shift or shift == 0.0:  # as near as rounding allows
                 return (TANGENCY if gap_reopens(tau, side, start, walls, S, K) else LOST), tau
-        if abs(shift) >= 0.9 * last_shift:
+        if abs(shift) >= 0.9 * last_shift:  # steps that hardly get shorter
             even_steps = even_steps + 1
         else:
             even_steps = 0
@@ -889,8 +889,8 @@ def contact_by_rounding(high, low, side, M4, start, walls, S, K):
 
 
 def nearest_root(cap, now, M4, margin, walls):
-    """Return the side of the wall with the shorter safe step, and what `safe_step` and `gap_bound`
-    return for it.
+    """Return (side, step, root, P, degree): the wall with the shorter safe step, and what `safe_step`
+    and `gap_bound` return for it.
     """
     if walls.has_below:
         side = -1
@@ -1176,8 +1176,8 @@ def exit_root(force, side, low, high, Delta, s, c, held, belt, K):
 
 
 def exit_begin(force, side, low, high, Delta, s, c, held, belt, K):
-    """Return where to begin the search for the end of a stick: time, distance of the force from 0,
-    sine and cosine, and the bracket.
+    """Return (tau, over, s, c, low, high), where to begin the search for the end of a stick: time,
+    force, sine and cosine of the phase, and the bracket.
     """
     # The inflection of Delta (cos(theta) = 0), where it is steepest and s and c are known, is often
     # nearer to the root. The slope is drift - fB sin(theta): steepest towards `side` where

@@ -319,6 +319,7 @@ def is_steady(start: Start) -> bool:
     size = pull * pull + drag * drag
     if start.t0 != 0 or size == 0 or start.start_error:
         return False
+    # The steady motion at t = 0, without its mean: A/k, or a mean velocity A/c where k = 0.
     x = p.B0 * pull / size
     v = p.B0 * drag * p.Omega / size
     domains = range(1, len(p.law.belts) + 2)

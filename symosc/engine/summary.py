@@ -797,7 +797,7 @@ def stationary(now, then, of_v, start, K):
         if square > 0.0:
             shift = -value * slope / square
         else:
-            shift = 2.0 * width
+            shift = 2.0 * width  # out of the bracket, which is halved then
         if abs(shift) * K.rate < NEAR:  # the extreme is off by the square of what is missing
             dv = (
                 here.dv
@@ -832,6 +832,7 @@ def parabola_root(f0, slope, f1, width):
         root = sqrt(square)
     else:
         root = 0.0
+    # The slope where the parabola is 0 is `root` or -`root`, with the sign of f1.
     below = slope + (root if f1 > 0.0 else -root)
     if below != 0.0:
         tau = -2.0 * f0 / below

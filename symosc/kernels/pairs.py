@@ -268,6 +268,8 @@ def _comparison(sign: str) -> Callable[..., Any]:
     """
 
     def code(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> Any:
+        # By the high parts, strictly (the first character of "<="), or by the low parts if those are
+        # equal.
         low = b.fcmp_ordered(sign, xl, yl)
         if sign == "==":
             return b.and_(b.fcmp_ordered("==", xh, yh), low)
