@@ -167,6 +167,7 @@ def _angle_in_turn(angle: Fraction, digits: int) -> Any:
     """
     if angle == 0:
         return None
+    # The whole turns take as many digits as the angle has before the point; 20 are to spare.
     context = mp_context(digits + 20 + len(str(abs(int(angle)))))
     turns = context.mpf(angle.numerator) / angle.denominator / (2 * context.pi)
     return (turns - int(context.floor(turns))) * 2 * context.pi
@@ -462,7 +463,7 @@ def _pair_constants() -> dict[str, Any]:
     two_pi = 2 * mp_context(70).pi
     return {
         "EPS": Pair(PAIR_EPS),
-        "NEAR": Pair(Fraction(1, 2**20)),
+        "NEAR": Pair(Fraction(1, 2**20)),  # PAIR_EPS to the power 1/5
         "PI": Pair(two_pi / 2),
         "TWO_PI": Pair(two_pi),
         "TWO_PI_REST": Pair(two_pi - Pair(two_pi).hi - Pair(two_pi).lo),

@@ -281,7 +281,8 @@ def local_root(over, F, G1, G2, G3, resolution):
     """Return the root s near 0 of over + F s + G1 s^2/2 + G2 s^3/6 + G3 s^4/24 (FAR if none), to
     `resolution`.
     """
-    # The inverted series places a near simple root to `resolution`; from there on Newton's method.
+    # The inverted series places a near simple root to `resolution`, as its error says; else Newton's
+    # method goes on from there, or from 0 if the bend is too large for the series.
     s = 0.0 * resolution
     if abs(over * G1) < 0.1 * F * F:
         s, missing = root_by_series(over, F, G1, G2, G3)
@@ -1226,6 +1227,7 @@ def is_beside(over, slope, bend, K):
     """Return whether a force `over`, with derivatives `slope`, `bend`, is so near 0 that its root
     needs no search.
     """
+    # the first condition is that of `local_root`: the inverted series is of use
     return (abs(over * bend) < 0.1 * slope * slope) & (abs(over) * K.beat < 2.0 * NEAR * abs(slope))
 
 

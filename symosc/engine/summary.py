@@ -162,6 +162,7 @@ def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
 
     The time `skipped` is not counted.
     """
+    # The last numbers of the shapes count the columns that are named above.
     count = len(states)
     floats = np.zeros((count, 13))
     ints = np.zeros((count, 11), np.int64)
@@ -222,7 +223,7 @@ def tally_step(i, before, event, t0, tally, K):
         if near and ints[i, EARLY] == 0:
             close_word(i, tally)
             ints[i, EARLY] = 1
-        # `MAP_OF` is flat, with 6 modes and 3 belts (0: none).
+        # `MAP_OF` is flat: belt before (0: none), 6 modes, belt after.
         code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + event.boundary])
         if code > 0:
             length = ints[i, LENGTH]

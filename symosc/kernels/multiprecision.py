@@ -169,7 +169,8 @@ class BasisMP:
         self.h = parameters.c / (2 * parameters.m)
         self.w0sq = parameters.k / parameters.m
         self.Om = parameters.Omega
-        # A difference over two nodes loses as many bits as their gap is smaller than the nodes.
+        # A difference over two nodes loses as many bits as their gap is smaller than the nodes; 20 bits
+        # are to spare.
         near = with_bits(ROOT_BITS)
         nodes = (near.mpf(0), *self._roots(near))
         size = max(abs(node) for node in nodes)

@@ -204,7 +204,8 @@ def warm() -> list[Warmed]:
         *(np.zeros((0, 4), np.int64), np.zeros((0, 2)), nothing),
         *(np.zeros((0, 2, 0)), np.zeros((0, 0)), np.zeros(0, bool)),
     )
-    # numba compiles a function for the types of its arguments; so these are empty arrays.
+    # numba compiles a function for the types of its arguments, whatever the sizes of arrays; so these
+    # are empty, or just large enough.
     calls: dict[str, list[tuple[Any, tuple[Any, ...]]]] = {
         "events in doubles": [
             (loops.table.march_rows, (table, np.zeros((1, 2, 7)))),

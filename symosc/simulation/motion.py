@@ -204,7 +204,7 @@ class Motion:
         """
         if self._worst == 0:
             return 0
-        context = arithmetic.mp_context(15)
+        context = arithmetic.mp_context(15)  # enough for a logarithm that is rounded up
         worst = context.convert(self.arithmetic.outward(self._worst))
         return int(context.ceil(context.log10(SAFETY * worst))) + digits
 
