@@ -287,7 +287,7 @@ class Chunk:
         self._buffer = buffer
         self._cancel = cancel
         self.batch, self.table = task.problems.begin(rows, task.loops.table)
-        if isinf(task.accuracy):
+        if isinf(task.accuracy):  # decisions exceed their own rounding only, as in `in_doubles`
             self.table["sigmas"] = 0.0
         self._starts = self.batch.states.copy()
         self._keep = keep
@@ -407,6 +407,7 @@ class Chunk:
         tally = select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
         batch = batch_of(states, sets)
+        # An event that doubles do not decide is not counted yet; one that is INEXACT is.
         wanted = counts + (codes == UNDECIDED)
         limits = PairLimits(
             most, self._needed, MOST_MORE, PAIR_NOISE, self.table, careful_table(self.table)
@@ -421,6 +422,7 @@ class Chunk:
                 together = TOGETHER
             active = waiting[:together]
             waiting = waiting[together:]
+            # With a tally no events are recorded.
             buffer = event_buffer(
                 0 if len(tally.floats) else int((events + MOST_MORE)[active].sum())
             )

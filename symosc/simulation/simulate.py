@@ -306,6 +306,7 @@ def in_doubles(
         code = int(batch.codes[0])
         if code in NEEDS_DIGITS:
             finer = finer or FinerMotion(start, K, limits, loops)
+            # An event that doubles do not decide is not counted yet; one that is INEXACT is.
             decided = finer.reach(count + (code == UNDECIDED))
             events = list(finer.events)
             # It began at the start, so its events and pieces replace those of doubles.
