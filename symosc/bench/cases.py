@@ -58,12 +58,17 @@ def run(
     cases: Sequence[ReferenceCase] | None = None,
     limit: float = CASE_LIMIT,
 ) -> Record:
-    """Run solvers (None: all) on reference cases (None: all), at most `limit` seconds each, and
-    score their events.
+    """Run solvers (None: all) on reference cases (None: all), at most `limit` seconds of processor
+    time each, and score their events.
+
+    The keys of the record that is returned:
+
+    - machine: where it ran; limit_s: the `limit`;
+    - skipped: by the name of a solver, why it cannot run;
+    - scores: a Score of each solver;
+    - ours: the same with OUR_TOLERANCE, of symosc's own solvers and the hard cases;
+    - violations: texts that say where those did not keep the bound; ok: whether there are none.
     """
-    # `limit` is in seconds of processor time. Keys: scores and ours (lists of Score; the second one
-    # with OUR_TOLERANCE, of the hard cases and symosc's own solvers), violations (where those did
-    # not keep the bound), ok, limit_s, skipped (solver: why it cannot run), machine.
     if solvers is None:
         solvers = all_solvers()
     if cases is None:

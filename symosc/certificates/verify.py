@@ -650,7 +650,7 @@ class VerifiedMotion:
         self.require_row(row, "graze", mode.number)
         x = self.at(when)[X, 0]
         if limits:
-            low, high = (motion.least(end, times) for motion in limits)
+            low, high = (motion.distance_at_turn(end, times) for motion in limits)
             require(-low * high, "that one start goes beyond the belt, and one does not reach it")
             (dz,) = self.moved(when, self.columns)
             require(
@@ -667,9 +667,11 @@ class VerifiedMotion:
             self.problem, mode.number, end, centre, columns, leaves={end: 2}, rest=[]
         )
 
-    def least(self, end, times):
-        """Return the least distance f of v from the belt `end`, which it has at a time in
-        `times`.
+    def distance_at_turn(self, end, times):
+        """Enclose the distance f of v from the belt `end` at the one time in `times` at which f' is
+        0.
+
+        It is the least distance if f'' > 0 in `times`, which `graze` proves.
         """
         when = self.zero(end, 1, times)
         f_at_middle = self.f(end, when.mid())[0]

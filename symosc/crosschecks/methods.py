@@ -422,7 +422,8 @@ FEWEST_IN_DOMAIN = 6
 # Steps that differ by less than this part are equal. Fewest wrong flights that show an order.
 EQUAL = 1e-6
 FEWEST_WRONG = 20
-# What the fit may leave, in parts of the largest defect and of a step's own one.
+# What the fit may leave, in parts of a step's own defect or of half the largest one, whichever is
+# more.
 LEFT_BY_FIT = 0.03
 # Up to this part of dx the errors of flights are like those of a wrong force.
 LIKE_FORCE = 0.3

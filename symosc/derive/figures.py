@@ -25,8 +25,8 @@ DARK = "black"
 GREY = "0.45"
 LIGHT = "0.82"
 POINT: dict[str, Any] = {"marker": "o", "color": "white", "markeredgecolor": DARK, "linestyle": ""}
-#: Points of all letters; no figure is printed smaller than it is drawn.
-LETTERS = 10.0
+#: Size of all text, in points; no figure is printed smaller than it is drawn.
+FONT_SIZE = 10.0
 
 
 def friction(axes: Axes) -> None:
@@ -139,7 +139,7 @@ def figure(key: str) -> Figure:
 
     sized = ("font.size", "axes.labelsize", "xtick.labelsize", "ytick.labelsize", "legend.fontsize")
     draw, size = FIGURES[key]
-    with rc_context(STYLE | dict.fromkeys(sized, LETTERS)):
+    with rc_context(STYLE | dict.fromkeys(sized, FONT_SIZE)):
         drawing = Figure(figsize=size, layout="constrained")
         draw(drawing.subplots())
         if key != "friction":

@@ -79,6 +79,16 @@ MOST_REPEATS = 40
 # How far Newton's method may carry a contact, as a part of a step.
 MOST_SHIFT = 1e-3
 MOST_CONTACT_NEWTON = 200
+# The rounding errors of a flight in closed form are taken to be less than so many units of the
+# sizes of its terms.
+FLIGHT_ROUNDING = 2**10
+# A touch is one of fourth order where v'' times the rate is below this part of the next derivative.
+FOURTH_ORDER = 1e-6
+# Digits beyond those wanted, with which a refinement begins; the search for it has no more than so
+# many digits, and more digits than the missing ones are added.
+SPARE_DIGITS = 20
+MOST_SEARCH_DIGITS = 200
+MORE_DIGITS = 3
 
 
 # --- the first root of a polynomial that is known within a noise ---
@@ -102,12 +112,7 @@ NO_ROOT = FirstRoot(False, None)
 
 def first_root(p: list[Number], noise: Number, eps: Number) -> FirstRoot:
     """Return the first root in (0, 1] of a polynomial whose values are known within `noise`."""
-    # If the Bernstein coefficients on an interval all exceed the noise, there is no root in it. If
-    # the polynomial falls from above the noise to below it with one change of sign, there is
-    # exactly one. If its slope changes sign exactly once, from falling to rising, the value at the
-    # bottom decides. Above the noise there is no root, below it there are two, of which the first
-    # one counts. Within the noise it is a touch. Otherwise the interval is divided; what is still
-    # undecided at the smallest width is a touch too.
+    # On all of [0, 1] p is at least p[0] less the sizes of all other terms.
     if p[0] - sum(abs(term) for term in p[1:]) > noise:
         return NO_ROOT
     unit = 1 + 0 * p[0]
@@ -118,11 +123,16 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> FirstRoot:
     stack = [(0 * unit, unit, bernstein(p))]
     while stack:
         low, high, b = stack.pop()
+        # The polynomial is not below its least Bernstein coefficient: no root in this interval.
         if min(b) > noise:
             continue
+        # It falls from above the noise to below it with one change of sign: exactly one root.
         falls = b[0] > noise and b[-1] < -noise
         if falls and _changes_once(b, noise) and _changes_once(b, -noise):
             return FirstRoot(False, _newton(p, slope, low, high, eps))
+        # Its slope changes sign exactly once, from falling to rising: the value at the bottom
+        # decides. Above the noise there is no root; below it there are two, of which the first one
+        # counts; within the noise it is a touch.
         rising = [second > first for first, second in pairwise(b)]
         has_bottom = rising and not rising[0] and rising[-1] and _count_changes(rising) == 1
         if has_bottom:
@@ -134,6 +144,7 @@ def first_root(p: list[Number], noise: Number, eps: Number) -> FirstRoot:
             if b[0] > noise and value < -noise:
                 return FirstRoot(False, _newton(p, slope, low, bottom, eps))
             return FirstRoot(True, bottom)
+        # Undecided at the smallest width: a touch. Else the interval is divided.
         if high - low < narrowest:
             return FirstRoot(True, 0.5 * (low + high))
         left, right = _divided(b)
@@ -533,8 +544,8 @@ class Flights:
         drive = abs(R2) + abs(I2)
         v_size = abs(v0) * (1 + K.w0sq * abs(E2)) + abs(K.fB) * drive
         x_size = abs(v0) * (abs(E1) + K.cm * abs(E2)) + abs(K.f0) * (drive + abs(E2))
-        # Rounding errors are taken to be less than 2^10 units of the sizes of the terms.
-        noise = 2**10 * self.context.eps * (1 + abs(theta) + K.Om * tau)
+        # The phases are rounded too: the larger they are, the more.
+        noise = FLIGHT_ROUNDING * self.context.eps * (1 + abs(theta) + K.Om * tau)
         v_theta = (a - E1 * G1) / K.Om
         x_theta = (v + (E0 + K.cm * E1) * G1 / K.w0sq) / K.Om
         return Instant(dx, v, a, b, w, v_theta, x_theta, noise * v_size, noise * x_size)
@@ -590,7 +601,9 @@ class Flights:
         last_shift = None
         for _ in range(MOST_CONTACT_NEWTON):
             instant = self.instant(theta, tau)
-            is_of_fourth_order = abs(instant.b) * float(self.K.rate) < 1e-6 * abs(instant.w)
+            bend = abs(instant.b) * float(self.K.rate)
+            is_of_fourth_order = bend < FOURTH_ORDER * abs(instant.w)
+            # At a contact v - speed is 0; at a touch v' or, at one of fourth order, v''.
             if not touch:
                 residual = instant.v - speed
                 slope = instant.a
@@ -628,7 +641,8 @@ class Flights:
                 self.K, where.boundary, where.domain, context, context.eps, step
             )
         steps = self._steps[step]
-        # The longer step has the same middle as the one that it repeats.
+        # The longer step has the same middle as the one that it repeats; near the tangency, where
+        # it cannot, it begins there.
         earlier = (step - STEP) / 2 / self.K.rate
         if tau > earlier:
             state = self.state(theta, tau - earlier)
@@ -763,15 +777,18 @@ class Origins:
         gap = K.V0 + state.v_error + 1e-9 * (abs(state.v) + K.V0)
         return bool(runs_away and sign * (u - boundary) > gap)
 
-    def exact(
+    def refined_arrival(
         self, angle: Angle | float, order: int, far: Callable[[Flights], Number], wanted: int
     ) -> tuple[BackwardState, Flights]:
-        """Return where the flow came from with `wanted` decimals, and the `Flights` used.
+        """Return where the flow came from with `wanted` right decimals, and the `Flights` used.
 
-        `far` returns the time to search back, as a number of the flights that it gets.
+        It is what `arrival` finds, refined; or UNDECIDED if that fails. `far` returns the time to
+        search back, as a number of the flights that it gets.
         """
-        flights = self.flights(wanted + 20)
-        doubles = self.arrival(angle, order, float(far(flights)), digits=min(wanted + 20, 200))
+        begin_digits = wanted + SPARE_DIGITS
+        flights = self.flights(begin_digits)
+        search_digits = min(begin_digits, MOST_SEARCH_DIGITS)
+        doubles = self.arrival(angle, order, float(far(flights)), digits=search_digits)
         while True:
             arrival = flights.refined(flights.number(angle), doubles, far(flights))
             if arrival is None:
@@ -788,10 +805,10 @@ class Origins:
                 worst = max(t_error, arrival.x_error + abs(arrival.v) * t_error)
             elif arrival.kind == REACHED:
                 worst = max(arrival.x_error, arrival.v_error)
-            if worst > 0:
+            if worst > 0:  # it must be below 10^-(wanted + 2)
                 missing_digits = int(context.ceil(context.log10(worst))) + wanted + 2
             else:
                 missing_digits = 0
             if missing_digits <= 0:
                 return arrival, flights
-            flights = self.flights(flights.digits + missing_digits + 3)
+            flights = self.flights(flights.digits + missing_digits + MORE_DIGITS)

@@ -55,6 +55,24 @@ MOST_NOTES = 3
 MOST_CURVE_NEWTON = 20
 NEWTON_HALVINGS = 60
 SAME_ROOT = 1e-30  # solutions nearer to each other than this are one
+# A start must have the value asked for to so many units of the last digit; it is computed with so
+# many digits more than wanted, so that the comparison loses none of them.
+ALLOWED_UNITS = 100
+SPARE_DIGITS = 30
+# With so many digits more than wanted slopes up to 1e15 can be distinguished from a jump in doubles.
+SEARCH_DIGITS = 40
+# Beside an end of the curve the unknown may change by so many times what the slope at the outermost
+# point says, as the slope may grow towards the end.
+STEEPER_AT_END = 4
+# A piece of the curve ends with a contact of no duration if its outermost flight takes less than so
+# many times the phase that is left.
+SHORT_FLIGHT = 10
+# Newton's method has left its solution where theta_m changes by more than this in one step: more
+# than a turn.
+MOST_TURN = 7
+# A curve rises by more than this from its outermost sample, by the slope there, only if it goes on
+# for ever.
+LEAST_ENDLESS_RISE = 1e-4
 
 
 class GrazingSolutions(list[GrazingStart], LatexAnswer):
@@ -251,10 +269,10 @@ def _phases_of_contact(window: GrazingWindow, value: Fraction) -> list[Angle]:
 
 
 def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits: int) -> bool:
-    """Return whether the unknown `name` (x_i or theta_i) of a start is `value`, to 100 units of the
-    last digit.
+    """Return whether the unknown `name` (x_i or theta_i) of a start is `value`, to ALLOWED_UNITS
+    units of the last digit.
     """
-    context = mp_context(digits + 30)
+    context = mp_context(digits + SPARE_DIGITS)
     if name == "x_i":
         gap = number_of(Fraction(start.start["x0"]) - value, context)
         size = abs(float(value))
@@ -262,8 +280,10 @@ def _has_value(start: GrazingStart, p: Parameters, name: str, value: Any, digits
         angle = number_of(Fraction(start.start["t0"]) * p.Omega, context)
         turns = (angle - number_of(value, context)) / (2 * context.pi)
         gap = (turns - context.nint(turns)) * 2 * context.pi
+        # An error of t0 is one of the angle Omega t0, Omega times as large.
         size = max(float(p.Omega), abs(float(value)))
-    return bool(abs(gap) <= 100 * context.mpf(10) ** -digits * max(1.0, size))
+    last_digit = context.mpf(10) ** -digits
+    return bool(abs(gap) <= ALLOWED_UNITS * last_digit * max(1.0, size))
 
 
 # --- the grazing curve at a value ---
@@ -301,9 +321,7 @@ class Candidates:
         self.name = name
         self.value = value
         self.K = curve._source.K
-        # With so many digits more than wanted slopes up to 1e15 can be distinguished from a jump in
-        # doubles.
-        self.flights: Flights = self.source.flights(digits + 40)
+        self.flights: Flights = self.source.flights(digits + SEARCH_DIGITS)
         self.target = self.flights.number(value)
         self.notes: list[str] = []
         self._broken: set[Point] = set()
@@ -345,9 +363,9 @@ class Candidates:
         # Each end of the curve, and the outermost point there.
         ends = ((piece.low, points[0]), (piece.high, points[-1]))
         targets = [self.target]
-        if self.name == "theta_i":  # values that differ by whole turns
+        if self.name == "theta_i":  # all values that differ by whole turns, and one beyond
             turn = 2 * self.flights.context.pi
-            reach = (values.min() - 1e-3, values.max() + 1e-3)
+            reach = (values.min() - 1e-3, values.max() + 1e-3)  # the ends are a bit beyond
             low, high = (int(np.floor((end - float(self.target)) / (2 * pi))) for end in reach)
             targets = [self.target + j * turn for j in range(low, high + 2)]
         for target in targets:
@@ -363,8 +381,8 @@ class Candidates:
         one.
         """
         gap = abs(end.theta_m - point.theta_m)
-        # Four times the slope at the point, as it may grow towards the end.
-        reachable = 4 * abs(point.slope) * gap + 1e-9 * max(1.0, abs(point.value))
+        rounding = 1e-9 * max(1.0, abs(point.value))
+        reachable = STEEPER_AT_END * abs(point.slope) * gap + rounding
         if gap > 0 and abs(float(target) - point.value) <= reachable:
             solution = self._newton(point.theta_m, point.tau, target)
             self._store_if_between(solution, point, point, gap)
@@ -394,6 +412,7 @@ class Candidates:
                 self._between(before, after, target)
         if turning is None or crosses:
             return
+        # The extremum itself may have the value, as far as doubles can tell.
         if abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value)):
             solution = self._newton(turning.theta_m, turning.tau, target)
             self._store_if_between(solution, first, last)
@@ -408,7 +427,8 @@ class Candidates:
         for end, index in ((piece.high, len(points)), (piece.low, 0)):
             outermost = points[min(index, len(points) - 1)]
             distance = abs(outermost.theta_m - end.theta_m)
-            if end.reason == "end of the window" and outermost.tau * self.K.Om < 10 * distance:
+            turned = outermost.tau * self.K.Om  # in phase, like the distance
+            if end.reason == "end of the window" and turned < SHORT_FLIGHT * distance:
                 contact = self.source.rest + self.source.gain * cos(end.theta_m)
                 if self.name == "x_i":
                     value = contact
@@ -535,7 +555,8 @@ class Candidates:
                     return (theta, tau)
                 return None
             # More than a turn, or than about a period, leads to another solution.
-            is_too_far = abs(theta_step) > 7 or abs(tau_step) > 1 / K.rate + 3 / K.Om
+            most_time = 1 / K.rate + 3 / K.Om
+            is_too_far = abs(theta_step) > MOST_TURN or abs(tau_step) > most_time
             if is_too_far or tau <= 0:
                 return None
             shrunk = context.eps**0.6
@@ -548,7 +569,7 @@ class Candidates:
         """
         flights = self.flights
         phase = Fraction(theta_m)
-        arrival, _ = self.source.exact(
+        arrival, _ = self.source.refined_arrival(
             phase, 1, lambda family: family.K.period * SEARCH_PERIODS, flights.digits
         )
         if arrival.kind != TOUCH:
@@ -560,7 +581,7 @@ class Candidates:
             if by_theta == 0:
                 return None
             theta -= residual / by_theta
-            if abs(residual / by_theta) <= flights.context.eps * 100:
+            if abs(residual / by_theta) <= flights.context.eps * 100:  # rounding
                 return theta, tau
         return None
 
@@ -573,13 +594,13 @@ class Candidates:
         if solution is None:
             return False
         theta, tau = solution
-        theta_slack = 1e-14 * max(1.0, abs(float(theta))) + more
+        theta_slack = 1e-14 * max(1.0, abs(float(theta))) + more  # the samples are doubles
         low, high = sorted((first.tau, last.tau))
         short_time = 1e-3 / self.K.rate
-        # The flight time need not be monotone between them.
-        tau_slack = (
-            1e-9 * max(high, short_time) + 0.1 * (high - low) + (short_time if more else 0.0)
-        )
+        # The flight time need not be monotone between them: it may be a tenth of its change beyond.
+        tau_slack = 1e-9 * max(high, short_time) + 0.1 * (high - low)
+        if more:
+            tau_slack += short_time
         is_phase_between = first.theta_m - theta_slack <= float(theta) <= last.theta_m + theta_slack
         is_time_between = low - tau_slack <= float(tau) <= high + tau_slack
         if not (is_phase_between and is_time_between):
@@ -605,10 +626,9 @@ class Candidates:
                 f"beside theta_m = {end.theta_m:.6g} the flights are longer than the search"
             )
             return
-        # The end of a curve that doubles still resolve, over its slope there: more means that it
-        # has no limit.
+        # How far the curve still rises to its end, by the slope at the outermost sample.
         rise = abs(piece.slope_theta[index]) * abs(end.theta_m - point.theta_m)
-        is_endless = not rise < 1e-4  # or nan
+        is_endless = not rise < LEAST_ENDLESS_RISE  # or nan
         is_beyond = self.name != "x_i" or abs(float(self.target)) > abs(point.value)
         if is_endless and is_beyond:
             last = f"theta = {piece.theta[index]:.6g}, x = {piece.x[index]:.6g}"

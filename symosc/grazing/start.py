@@ -215,7 +215,7 @@ def start_of(
 
     if far(origins.flights(decimals + 20)) <= 0:
         raise ParameterError("t0", float(until or 0), f"must be earlier than t_m = {float(time)!r}")
-    arrival, flights = origins.exact(angle, order, far, decimals)
+    arrival, flights = origins.refined_arrival(angle, order, far, decimals)
     context = flights.context
     belt = origins.place.boundary
     boundary = arrival.boundary

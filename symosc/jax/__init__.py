@@ -163,7 +163,7 @@ def _values(parameters: Any, *start: Any) -> Any:
 
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Return what `_jax_functions` returns.
+    """Return the two functions behind `events` and `flow` (see `_jax_functions`).
 
     Raise an error if JAX is missing or does not compute in doubles.
     """
@@ -237,10 +237,11 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
     rows = values.reshape(-1, len(NAMES))
     ends = np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
     columns = dict(zip(NAMES, rows.T, strict=True))
-    starts = {name: columns.pop(name) for name in STARTS}
+    starts = {name: columns.pop(name) for name in STARTS}  # the other columns are parameters
     table = simulate_many(columns, starts, ends, max_events=count, wrt=NAMES)
     # The table has the events of all motions one after the other, here there is a row for each.
     first = np.searchsorted(table.trajectory, np.arange(len(rows)))
+    # The row of each event of the table, and its number in this row.
     places_in_rows = table.trajectory, np.arange(len(table)) - first[table.trajectory]
 
     def placed(column: Any, empty: Any, kind: Any = float) -> np.ndarray:
@@ -274,9 +275,8 @@ def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
     for i, (row, row_times) in enumerate(zip(rows.tolist(), instants, strict=True)):
         numbers = dict(zip(NAMES, row, strict=True))
         start = {name: numbers.pop(name) for name in STARTS}
-        if float(row_times.max()) > start["t0"]:
-            last = float(row_times.max())
-        else:  # a motion must have a length, whatever it is
+        last = float(row_times.max())
+        if not last > start["t0"]:  # a motion must have a length, whatever it is
             last = start["t0"] + 1.0
         s = sensitivities(Parameters(**numbers), NAMES, **start, t_end=last)
         states[i] = s.trajectory(row_times)
@@ -290,5 +290,6 @@ def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
             forces[mode][k] if mode in forces else 0.0
             for k, mode in enumerate(s.trajectory.mode(row_times))
         ]
+    # As many leading axes as `vmap` has put in front of `values`.
     results = (states, slopes, rates)
     return tuple(array.reshape((*lead, *array.shape[1:])) for array in results)

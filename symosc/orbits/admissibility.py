@@ -9,11 +9,10 @@ The margins are computed in the arithmetic of the equations, so that more digits
 cannot. The verdict asks three questions, in this order.
 
 1. Do all inequalities hold? Where a margin is too small for doubles the root is refined to
-   FINE_DIGITS digits first. If
-a margin is 0 there, it is not an orbit: a piece has no length, or a belt is only grazed.
+   FINE_DIGITS digits first. If a margin is 0 there, it is not an orbit: a piece has no length, or a
+   belt is only grazed.
 2. Does the motion from a switching point of the root do what the word says? It is simulated over
-   the whole period by
-the engine, always: no margin is too small or too large for that.
+   the whole period by the engine, always: no margin is too small or too large for that.
 3. Does it close? Every event has to be where and when the root says, the last one a period after
    the start.
 """
@@ -42,9 +41,24 @@ MARGINAL = 1e-9
 FINE_DIGITS = 50
 # a margin below this part of its terms is 0 with FINE_DIGITS
 NOTHING_IN_DIGITS = 1e-25
+# At a root that cannot be refined a margin below this part of its terms may be 0.
+PERHAPS_NOTHING = 1e-6
+# There a piece vanishes if Newton's method has made its duration smaller than this part of what it
+# was in doubles.
+VANISHED = 1e-2
 # Digits with which the engine follows an orbit whose margins are small.
 ENGINE_DIGITS = (30, 60)
+# How far the engine's events may be from the orbit's, as a part of a period and of the size of the
+# positions: for a start in doubles, and for one with digits. A start that is rounded to doubles
+# moves an arrival with a margin of MARGINAL by 1e-7.
+ALLOWED_IN_DOUBLES = 1e-6
+ALLOWED_IN_DIGITS = 1e-12
 SAMPLE = 0.25  # step of the samples that bracket extrema of the velocity, in units of 1/rate
+FEWEST_SAMPLES = 8
+MOST_SAMPLES = 4000
+# Bracketed Newton steps to an extremum, and how well it is to be known: in eps of its time.
+MOST_EXTREMUM_NEWTON = 100
+EXTREMUM_ROUNDING = 64.0
 
 
 class Condition(NamedTuple):
@@ -121,6 +135,7 @@ def scales(equations: ClosingEquations, points: Points) -> Scales:
     """
     K = equations.K
     belts = [abs(float(equations.belt(piece.start).v)) for piece in equations.pieces]
+    # The terms of an acceleration: constant forces, the drive, the damper and the spring.
     a = max(abs(float(A)) for A in (K.A1, K.A2, K.A3)) + abs(float(K.f0)) + float(K.cm) * max(belts)
     a += float(K.w0sq) * max(abs(float(x)) for x, _ in points)
     return Scales(1 / float(K.rate), a / float(K.rate) + max(belts), a)
@@ -188,6 +203,7 @@ def _flight(
     (piece, start, end, tau) = span
     end_x, end_theta = end
     v_end = equations.belt(piece.end).v
+    # In a flight that is shorter than 1/rate v and F change by about this part of their sizes.
     short = float(min(1, abs(tau) * K.rate))
     if side > 0:
         sign, opposite = "><"
@@ -282,6 +298,7 @@ def holding_forces(equations: ClosingEquations, span: Span) -> Iterator[Extreme]
     s0 = equations.sin(start_theta)
     c0 = equations.cos(start_theta)
     below_at_start = equations.force(piece.start, start_x, belt.v, start_theta)
+    # The forces turn where sin(theta) is that of `belt.angle`: at two phases of each period.
     for angle in (belt.angle, names["PI"] - belt.angle):
         elapsed = (angle - start_theta) % names["TWO_PI"] / K.Om
         while 0 < elapsed < tau:
@@ -303,7 +320,7 @@ def extrema(
     coarse = equations.coarse.K
     v0, a0, s0, c0 = (float(value) for value in flight)
     span = float(tau - begin)
-    count = int(min(4000, max(8, float(tau - begin) * coarse.rate / SAMPLE)))
+    count = int(min(MOST_SAMPLES, max(FEWEST_SAMPLES, span * coarse.rate / SAMPLE)))
     times = float(begin) + span * np.arange(skip, count + 1) / count
     basis = column_functions()["basis"]
     _, _, slopes = motion(
@@ -326,18 +343,17 @@ def _extremum(
     state_at = equations.arithmetic.namespace["state_at"]
     K = equations.K
     number = equations.number
-    # How well an extremum is to be known, as a part of its time.
-    allowed = 64.0 * equations.arithmetic.namespace["EPS"]
+    allowed = EXTREMUM_ROUNDING * equations.arithmetic.namespace["EPS"]
     low = number(low)
     high = number(high)
     tau = (low + high) / 2
-    for _ in range(100):
+    for _ in range(MOST_EXTREMUM_NEWTON):
         state = state_at(tau, flight, K)
         a = state.F
         b = state.G1
         if a == 0:
             break
-        if (a > 0) == maximum:
+        if (a > 0) == maximum:  # v still rises to its maximum, or falls to its minimum
             low = tau
         else:
             high = tau
@@ -394,7 +410,8 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     [] for an orbit.
     """
     tested = conditions(equations, points)
-    if not _has_small_margin(tested) and not ill_conditioned(equations, points):
+    # Doubles decide if no margin is small and the engine agrees; else more digits do.
+    if not _margin_is_below(MARGINAL, tested) and not ill_conditioned(equations, points):
         failed = failing(tested)
         if failed or engine_contradiction(equations, points) is None:
             return failed
@@ -403,59 +420,86 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     with suppress(ZeroDivisionError, ValueError):  # a flight loses all its length on the way
         root = polish(fine, points)
     if not root.converged:
-        return _failures_of_multiple_root(equations, fine, points, root.points, tested)
+        vanished = _vanished(equations, fine, points, root.points)
+        return _failures_of_multiple_root(equations, points, tested, vanished)
     decided = list[Condition]()
     for condition in conditions(fine, root.points):
-        if abs(condition.value) < NOTHING_IN_DIGITS * condition.scale:
+        if _is_below(NOTHING_IN_DIGITS, condition):
             condition = condition._replace(value=0.0)
         decided.append(condition)
     failed = failing(decided)
     if failed:
         return failed
-    contradictions = []
+    # It is an orbit if the engine follows it with any of these numbers of digits.
     for digits in ENGINE_DIGITS:
-        wrong = engine_contradiction(fine, root.points, digits)
-        if wrong is None:
+        contradiction = engine_contradiction(fine, root.points, digits)
+        if contradiction is None:
             return []
-        contradictions.append(wrong)
-    return [engine_contradiction(equations, points) or contradictions[-1]]
+    in_doubles = engine_contradiction(equations, points)
+    if in_doubles is None:
+        return [contradiction]
+    return [in_doubles]
+
+
+def _vanished(
+    equations: ClosingEquations, fine: ClosingEquations, points: Points, last: Points
+) -> set[int]:
+    """Return the numbers of the pieces whose duration tends to 0 in Newton's method with many
+    digits, which ended at `last` without a root.
+    """
+    spans = zip(equations.spans(points), fine.spans(last), strict=True)
+    return {
+        i
+        for i, (before, after) in enumerate(spans)
+        if abs(fine.K.Om * after.tau) < VANISHED * abs(equations.K.Om * before.tau)
+    }
 
 
 def _failures_of_multiple_root(
-    equations: ClosingEquations,
-    fine: ClosingEquations,
-    points: Points,
-    last: Points,
-    tested: list[Condition],
+    equations: ClosingEquations, points: Points, tested: list[Condition], vanished: set[int]
 ) -> list[Condition]:
     """Return the conditions that keep a root from being an orbit where Newton's method with many
-    digits does not converge: it ended at `last`, and doubles say `tested`.
+    digits does not converge.
+
+    Doubles say `tested`; the durations of the pieces `vanished` tend to 0 in Newton's method.
     """
-    # The pieces whose duration tends to 0 in Newton's method, at a multiple root.
-    gone = set[int]()
-    spans = zip(equations.spans(points), fine.spans(last), strict=True)
-    for i, (before, after) in enumerate(spans):
-        if abs(fine.K.Om * after.tau) < 1e-2 * abs(equations.K.Om * before.tau):
-            gone.add(i)
-    lasts = [c for c in tested if c.piece in gone and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
+    # A piece has no length.
+    lasts = [c for c in tested if c.piece in vanished and c.rank in (STICK_LASTS, FLIGHT_LASTS)]
     if lasts:
         return [c._replace(value=0.0) for c in lasts]
-    # Others that may fail.
-    nearest = sorted((c for c in tested if abs(c.value) < 1e-6 * c.scale), key=lambda c: c.rank)
-    text = " (it cannot be decided: the equations are singular there)"
+    # An inequality fails in doubles already.
     failed = failing(tested)
-    undecided = failed or [c._replace(text=c.text + text, value=0.0) for c in nearest]
-    if failed or _has_small_margin(tested):
+    if failed:
+        return failed
+    # All hold in doubles, one of them by too little to be sure: nothing decides it.
+    undecided = _undecided(tested)
+    if _margin_is_below(MARGINAL, tested):
         return undecided
-    wrong = engine_contradiction(equations, points)
-    if wrong is None:
+    # All hold surely in doubles, and the engine decides. What it contradicts are the margins near
+    # 0 or, if there are none, the piece at which it differs.
+    contradiction = engine_contradiction(equations, points)
+    if contradiction is None:
         return []
-    return undecided or [wrong]
+    return undecided or [contradiction]
 
 
-def _has_small_margin(tested: list[Condition]) -> bool:
-    """Return whether a margin is too small for doubles."""
-    return any(abs(condition.value) < MARGINAL * condition.scale for condition in tested)
+def _undecided(tested: list[Condition]) -> list[Condition]:
+    """Return the conditions that may fail at a root that cannot be refined, sorted by rank, as
+    failed ones whose text says so.
+    """
+    near_0 = sorted((c for c in tested if _is_below(PERHAPS_NOTHING, c)), key=lambda c: c.rank)
+    text = " (it cannot be decided: the equations are singular there)"
+    return [c._replace(text=c.text + text, value=0.0) for c in near_0]
+
+
+def _is_below(part: float, condition: Condition) -> bool:
+    """Return whether a margin is nearer to 0 than this `part` of its terms."""
+    return abs(condition.value) < part * condition.scale
+
+
+def _margin_is_below(part: float, tested: list[Condition]) -> bool:
+    """Return whether any margin is nearer to 0 than this `part` of its terms."""
+    return any(_is_below(part, condition) for condition in tested)
 
 
 def ill_conditioned(equations: ClosingEquations, points: Points) -> bool:
@@ -489,13 +533,10 @@ def engine_contradiction(
     pieces = equations.pieces
     K = equations.K
     first = _surest_start(equations, points)
-    # How far the engine's events may be from the orbit's, as a part of a period and of the size of
-    # the positions. A start that is rounded to doubles moves an arrival with a margin of MARGINAL
-    # by 1e-7.
     if digits is None:
-        allowed = 1e-6
+        allowed = ALLOWED_IN_DOUBLES
     else:
-        allowed = 1e-12
+        allowed = ALLOWED_IN_DIGITS
     exact_points = [(equations.number(x), equations.number(theta)) for x, theta in points]
     x0, theta0 = exact_points[first]
     t0 = theta0 / K.Om
@@ -512,7 +553,8 @@ def engine_contradiction(
     ).events
     fastest = max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
     size = max(abs(float(x)) for x, _ in points) + float(K.period) * fastest
-    # Each event must be the one that begins the next piece, at its time and place.
+    # Each event must be the one that begins the next piece, at its time and place. `late` and
+    # `when` are those of the event at which the loop breaks off.
     for j in range(1, len(pieces) + 1):
         i = (first + j) % len(pieces)
         piece = pieces[i]

@@ -43,6 +43,16 @@ AROUND = 24
 RADIUS = 1e-3
 # A piece that is shorter than this may be one that the other word has not.
 SHORT_PIECE = 1e-3
+# A zero of a margin may be a multiple one if its next derivative is below this part of the size of
+# an acceleration per time. The point is known only as well as the curve shows it: the derivative
+# need not be very small.
+NEARLY_MULTIPLE = 0.1
+# Ranks of candidates with one inequality, which are tried before all pairs: those at the end of a
+# piece, then those at an extremum. Pairs have their larger relative margin, which is >= 0.
+RANK_AT_END = -2.0
+RANK_AT_EXTREMUM = -1.0
+# The first change of a parameter in the secant method, as a part of its scale.
+FIRST_CHANGE = 1e-9
 # Bisections in doubles and steps of the secant method with many digits, to a fold.
 FOLD_HALVINGS = 3
 FOLD_STEPS = 8
@@ -96,7 +106,7 @@ def between(a: Node, b: Node, fraction: float) -> np.ndarray:
     """Return the point at this `fraction` of the way from a to b, on the cubic through both
     with their tangents (Hermite's).
     """
-    length = linear.norm(b.z - a.z)
+    length = linear.norm(b.z - a.z)  # the tangents are unit vectors
     r = fraction
     weight_of_a = (1 - r) ** 2 * (1 + 2 * r)
     weight_of_b = r * r * (3 - 2 * r)
@@ -157,6 +167,7 @@ def fold_between(
     if fold is None:
         return None
     values = system.values(fold.z)
+    # The sign of a null vector is arbitrary: it goes the way that the border is followed.
     tangent = fold.tangent * float(np.sign(linear.dot(fold.tangent, here.tangent)))
     error = max(abs(fold.change), *(2 * EPS * abs(value) for value in values))
     if here.slope(j) > 0:
@@ -215,13 +226,13 @@ def _polished_fold(system: BorderSystem, z: np.ndarray, j: int) -> PolishedFold 
         tried.append((value, slope))
         z = np.array([float(number) for number in u]) / system.scale
         if len(tried) == 1:
-            change = 1e-9 * float(system.scale[varied_index])
+            change = FIRST_CHANGE * float(system.scale[varied_index])
         else:
             value_before, slope_before = tried[-2]
             if slope == slope_before:
                 break
             change = -slope * (value - value_before) / (slope - slope_before)
-        if abs(change) <= 4 * EPS * abs(value):
+        if abs(change) <= 4 * EPS * abs(value):  # rounding
             break
         value += change
     return PolishedFold(z, tangent, change)
@@ -248,6 +259,7 @@ def end_between(system: BorderSystem, good: Node, bad: Node) -> tuple[Node, Spec
         length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
         kind, sliding = names_of(system)
         point = SpecialPoint(sliding or kind, values, message, length)
+    # The last node of the border: the parameters of the point, all else as at `good`.
     z = good.z.copy()
     z[-2:] = np.array(point.values) / system.scale[-2:]
     return good._replace(z=z, errors=np.full(2, point.error)), point
@@ -354,7 +366,8 @@ def _two_zeros(
             polished = system.polish(unknowns / system.scale)
             if polished is None:
                 continue
-            # The plane's two parameters are the last unknowns. A root far away is another point.
+            # The plane's two parameters are the last unknowns. A root far away is another point:
+            # both must be within NEAR of the ranges.
             values_found = (float(polished[-2]), float(polished[-1]))
             if (np.abs(np.subtract(values_found, values)) > NEAR * plane.widths).any():
                 continue
@@ -397,23 +410,23 @@ def _vanishing(equations: ClosingEquations, points: np.ndarray) -> list[Vanishin
 def _degenerate(
     equations: ClosingEquations, points: np.ndarray, vanishing: Sequence[Vanishing]
 ) -> list[Candidate]:
-    """Return a candidate for each inequality whose zero hardly is a simple one: this zero, and that
-    of the next derivative (`Zero.bend`).
+    """Return a candidate for each inequality whose zero is nearly a multiple one: this zero, and
+    that of the next derivative (`Zero.bend`).
     """
     size = scales(equations, points)
     candidates = []
     for zero, phases, condition in vanishing:
-        # The ranks are below those of all pairs (`_paired`), so these candidates are tried first.
         if phases:
             theta = phases[0]
-            rank = -1.0
+            rank = RANK_AT_EXTREMUM
         else:
             theta = 0.0  # not used: only extrema have a phase
-            rank = -2.0
+            rank = RANK_AT_END
         (derivative,) = border_system.zero_values(equations, points, zero.bend, theta)
-        # The point is known only as well as the curve shows it: the derivative need not be very
-        # small.
-        if abs(derivative) * size.t < 0.1 * size.a:
+        # The derivative is G^(1) of a force at an end, v'' at an extremum of v: an acceleration per
+        # time. At an extremum of a force in a stick it is F'', with one time more, so that there
+        # the bound depends on the unit of time.
+        if abs(derivative) * size.t < NEARLY_MULTIPLE * size.a:
             candidates.append(Candidate(rank, (zero, zero.bend), phases, (condition.text,)))
     return candidates
 
@@ -425,6 +438,7 @@ def _paired(vanishing: Sequence[Vanishing], half: int) -> list[Candidate]:
         same_kind = first.zero.kind == second.zero.kind
         if same_kind and second.zero.piece - first.zero.piece == half:  # mirror images
             continue
+        # Pairs that are nearer to 0 are tried first.
         rank = max(abs(scaled_margin(first.condition)), abs(scaled_margin(second.condition)))
         zeros = (first.zero, second.zero)
         texts = (first.condition.text, second.condition.text)
@@ -463,8 +477,10 @@ def _equations_of(
 
 def _kind(system: BorderSystem, candidate: Candidate) -> str:
     """Return the names of the borders that meet at a point, as in the literature."""
+    # A candidate with one inequality has its next derivative as second zero, without a name.
     names = [names_of(system, zero) for zero in candidate.zeros[: len(candidate.texts)]]
     kind = " and ".join(sorted(sliding or end_kind for end_kind, sliding in names))
+    # Two simple zeros meet, or a cubic tangency has a name of its own.
     is_simple = len(candidate.texts) == 2 or candidate.zeros[0].kind == border_system.AT_ARRIVAL
     if is_simple:
         return kind

@@ -70,6 +70,17 @@ MOST_NEWTON = 12
 MOST_POLISHING = 30
 DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
 FINE_DIGITS = 50
+# Newton's method in doubles, in scaled unknowns: it has converged at steps of this size; from the
+# next one on steps that shrink by less than 4 are rounding. The Jacobian is computed anew where a
+# step has shrunk by less than 16.
+CONVERGED = 1e-12
+PERHAPS_ROUNDING = 1e-6
+# With FINE_DIGITS it has converged at steps of this size.
+FINE_CONVERGED = 1e-30
+# Entries of the inverse Jacobian as large as this show a point that is not isolated.
+LARGEST_INVERSE = 1e6
+# Phases that differ by less are those of one extremum.
+SAME_EXTREMUM = 1e-5
 NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
 POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters in lengths
 
@@ -207,6 +218,7 @@ class BorderSystem:
         )
         self.symmetric_pieces = self.pieces
         x, _ = points.T
+        # A position counts by the extent of the orbit, or by a tenth of how far out it is.
         size = max(np.ptp(x), 0.1 * np.abs(x).max())
         weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
         self.scale = np.array(
@@ -269,7 +281,7 @@ class BorderSystem:
         values = []
         phases_left = list(phases)
         for zero in self.zeros:
-            if zero.kind in TIMED:
+            if zero.kind in TIMED:  # the phases are in the order of these zeros
                 theta = phases_left.pop(0)
             else:  # a bend belongs to the extremum of another zero, in the same piece
                 phase_of = {
@@ -281,8 +293,10 @@ class BorderSystem:
         return values
 
     def _linearised(self, u: list[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residuals at u and their Jacobian in doubles, the rows of zeros and the columns
-        of the parameters by finite differences.
+        """Return the residuals at u and their Jacobian in doubles.
+
+        The rows of the closing equations have exact derivatives by the switching points; the rows
+        of zeros and the columns of the parameters are finite differences.
         """
         equations, points, phases = self.at(u)
         n = 2 * self.n
@@ -357,8 +371,8 @@ class BorderSystem:
                 if not size < 1:  # nan too
                     return None
                 z = z - step
-                is_rounding = size < 1e-6 and size > before / 4
-                if size < 1e-12 or is_rounding:
+                is_rounding = size < PERHAPS_ROUNDING and size > before / 4
+                if size < CONVERGED or is_rounding:
                     # The next correction is smaller by the last ratio, or by the Jacobian's error.
                     return Corrected(z, inverse, size * (10.0 * size / before + DIFFERENCE))
                 if size > before / 16:
@@ -383,8 +397,7 @@ class BorderSystem:
         if corrected is None:
             return None
         inverse = corrected.inverse
-        # Entries of the inverse as large as this show a point that is not isolated.
-        is_singular = fixed is None and np.abs(inverse).max() > 1e6
+        is_singular = fixed is None and np.abs(inverse).max() > LARGEST_INVERSE
         if not np.isfinite(inverse).all() or is_singular:
             return None
         equations = ClosingEquations(self.fixed, self.word, self.periods, FINE_DIGITS)
@@ -408,9 +421,9 @@ class BorderSystem:
                     value - number(Fraction(change))
                     for value, change in zip(u, changes, strict=True)
                 ]
-                if size < 1e-30:
+                if size < FINE_CONVERGED:
                     return u
-                if size > before / 2:
+                if size > before / 2:  # it does not converge
                     return None
                 before = size
         return None
@@ -492,27 +505,21 @@ class BorderSystem:
         """
         equations, points, phases = self.at((z * self.scale).tolist())
         equations.pieces = self.symmetric_pieces
-        margins = conditions(equations, points)
+        all_conditions = conditions(equations, points)
         size = scales(equations, points)
         kinds_and_pieces = {(zero.kind, zero.piece) for zero in self.zeros}
-        own = [margins[i] for i in sorted(self.hidden)]
-        own = [c for c in own if (kind_of(c), c.piece) in kinds_and_pieces]
-        margins = [c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(margins)]
+        hidden = [all_conditions[i] for i in sorted(self.hidden)]
+        own = [c for c in hidden if (kind_of(c), c.piece) in kinds_and_pieces]
+        # A hidden inequality is 0 all along: it fails nowhere.
+        margins = [
+            c._replace(value=inf) if i in self.hidden else c for i, c in enumerate(all_conditions)
+        ]
         # A zero without a phase does not use its theta.
         padded_phases = [*phases, *[0.0] * len(self.zeros)]
         for zero, theta in zip(self.zeros, padded_phases, strict=False):
             margins += self._simple_zero_margins(equations, points, zero, theta, size.a / size.t)
-        # The margins at other extrema than those that vanish on the border.
         equations.pieces = self.pieces
-        for c in own:
-            elsewhere = list[Number]()
-            if kind_of(c) in TIMED:
-                for extreme in extrema_of(equations, points, c.piece, kind_of(c)):
-                    if all(abs(extreme.theta - phase) > 1e-5 for phase in phases):
-                        elsewhere.append(extreme.margin)
-            value = float(min(elsewhere, default=inf))
-            margins.append(c._replace(value=value, text=f"elsewhere, {c.text}"))
-        return margins
+        return margins + [_elsewhere(equations, points, condition, phases) for condition in own]
 
     def _simple_zero_margins(
         self, equations: ClosingEquations, points: Points, zero: Zero, theta: float, size: float
@@ -528,16 +535,22 @@ class BorderSystem:
         piece = self.pieces[zero.piece]
         (value,) = zero_values(equations, points, zero.bend, theta)
         if zero.kind == AT_FAR:
+            # At a crossing the force of the far domain has the sign of the side or is 0, at an
+            # onset of a stick it has not: its derivative G^(1) must have the same sign.
             following = self.pieces[(zero.piece + 1) % self.n]
-            sign = piece.side
+            if following.sticks:
+                sign = -piece.side
+            else:
+                sign = piece.side
             theta = end
             text = f"G^(1) of the far domain at the end of {piece.label} keeps its sign"
-            if following.sticks:
-                sign = -sign
         else:
             # The belt or domain with the smaller number lies below: a minimum is turned to it.
-            low = zero.place == (piece.start if zero.kind == AT_HOLD else piece.mode - 1)
-            if low:
+            if zero.kind == AT_HOLD:
+                place_below = piece.start
+            else:
+                place_below = piece.mode - 1
+            if zero.place == place_below:
                 sign = 1
             else:
                 sign = -1
@@ -573,6 +586,7 @@ class ClosedForm(BorderSystem):
         self.scale = plane.widths
         self.rests = fixed.belt(belt) == 0
         self.line = self.rests and f"v{belt}" in plane.names
+        # Signs by which the belt's speed and B0 become their absolute values.
         if fixed.belt(belt) > 0:
             self.up = 1
         else:
@@ -636,6 +650,7 @@ class ClosedForm(BorderSystem):
         own = self.up * p.belt(self.belt)
         far = -self.up * p.belt(3 - self.belt)
         if self.line:
+            # On the line of speed 0 the mass can rest as long as friction holds it.
             holds, drives = self.terms(z * self.scale)
             margins.append((f"mu{self.belt} FN > |B0|", holds - drives))
         elif not self.rests:
@@ -691,6 +706,22 @@ def extrema_of(equations: ClosingEquations, points: Points, i: int, kind: str) -
     if kind == AT_TOUCH:
         return list(clearances(equations, span))
     return list(holding_forces(equations, span))
+
+
+def _elsewhere(
+    equations: ClosingEquations, points: Points, condition: Condition, phases: Unknowns
+) -> Condition:
+    """Return the inequality that a condition, which is 0 at the extrema of the given `phases`, also
+    holds at all other extrema of its piece; its value is inf if there are none.
+    """
+    margins = list[Number]()
+    kind = kind_of(condition)
+    if kind in TIMED:
+        for extreme in extrema_of(equations, points, condition.piece, kind):
+            if all(abs(extreme.theta - phase) > SAME_EXTREMUM for phase in phases):
+                margins.append(extreme.margin)
+    value = float(min(margins, default=inf))
+    return condition._replace(value=value, text=f"elsewhere, {condition.text}")
 
 
 def zero_values(
@@ -810,9 +841,10 @@ def zeros_of(
 
 def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     """Return (kind of a branch's end, name in the literature) for what happens at a border, or at
-    its given `zero`.
+    its given `zero`, which belongs to an inequality (so it is neither FLAT nor BEND).
     """
     zero = zero or system.zeros[0]
+    # The motion comes to rest on a belt. (Where it meets no belt a ClosedForm is a TOUCH.)
     if isinstance(system, ClosedForm) and system.rests:
         return admissibility.FLIGHT_VANISHING, ""
     # A cubic tangency: a graze, and a stick that is left at once, begin there.
@@ -821,9 +853,12 @@ def names_of(system: BorderSystem, zero: Zero | None = None) -> tuple[str, str]:
     if zero.kind == AT_HOLD:
         return admissibility.SLIP_BIRTH, "adding-sliding"
     if zero.kind == AT_TOUCH:
+        if system.fixed.friction(zero.place):
+            return admissibility.GRAZING, "grazing-sliding"
         # A belt without friction is only passed through.
-        return admissibility.GRAZING, "grazing-sliding" if system.fixed.friction(zero.place) else ""
-    sticks = system.pieces[(zero.piece + 1) % system.n].sticks
-    if sticks:
-        return (admissibility.SLIP_BIRTH, "switching-sliding")
-    return (admissibility.BIRTH, "crossing-sliding")
+        return admissibility.GRAZING, ""
+    # FAR: the force of the far domain is 0 at an onset of a stick, or at a crossing.
+    following = system.pieces[(zero.piece + 1) % system.n]
+    if following.sticks:
+        return admissibility.SLIP_BIRTH, "switching-sliding"
+    return admissibility.BIRTH, "crossing-sliding"

@@ -540,7 +540,9 @@ def one_digit(value: float | None) -> str:
 
 
 def faults(score: Score) -> list[str]:
-    """Return the faults of a solver as lines: the first 40, and how many more there are."""
+    """Return the faults of a solver as lines: the first ones (MOST_LISTED_FAULTS at most), and how
+    many more there are.
+    """
     lines = [f"{case.name}: {wrong}" for case in score.given for wrong in case.wrong]
     more = len(lines) - MOST_LISTED_FAULTS
     if more > 0:

@@ -157,11 +157,15 @@ def theorem7(
         return window_phases(grazing_place, gamma, amplitude, full)
 
     def substituted(expr: Expr) -> Expr:
+        """Return a condition or a set of a case for the given gamma and amplitude."""
+        # Unions as `_through_zero` makes them: not evaluated, as sympy finds out slowly or not at
+        # all that the parts are disjoint.
         if isinstance(expr, sp.Union):
             return sp.Union(*map(substituted, expr.args), evaluate=False)
         return expr.subs({GAMMA: gamma, AMPLITUDE: amplitude}, simultaneous=True)
 
-    # The sets are written for the signs that the condition demands.
+    # A set is written for the signs that its condition demands. So cases with a false condition are
+    # dropped before anything is substituted into their sets.
     conditioned = ((case, substituted(case.condition)) for case in all_cases(grazing_place, full))
     left = ((case, condition) for case, condition in conditioned if condition != sp.false)
     return Theorem7Cases(
@@ -269,21 +273,19 @@ def all_cases(grazing_place: cases.Place, full: bool) -> tuple[Case, ...]:
             ((1, 0), sp.Eq(g, size)),
             ((1, 1), g > size),
             ((0, -1), sp.Eq(g, 0)),
-        ]
-        rows += [
             ((-1, -1), (g < 0) & (g > -size)),
             ((-1, 1), g < -size),
             ((-1, 0), sp.Eq(g, -size)),
         ]
-        if (
-            grazing_place.side < 0
-        ):  # in (56) the second and third are one, and the last two change places
+        # In (56) the second and third are one, and the last two change places.
+        if grazing_place.side < 0:
             first, _, _, zero, inside, outside, equal = rows
             rows = [first, ((1, 0), g >= size), zero, inside, equal, outside]
         rows_of_signs += [
             ((gamma_sign, amplitude_sign, excess), condition & amplitude_condition)
             for (gamma_sign, excess), condition in rows
         ]
+    # Without a drive it grazes at all phases or at none, by the sign of gamma.
     if grazing_place.side > 0:
         nothing = g <= 0
         everything = g > 0

@@ -136,7 +136,9 @@ def test_the_flow_from_an_origin_ends_in_the_tangency(mapping: str, part: str) -
     low, high = map(Fraction, grazing_window(FIG9, mapping).intervals[0][:2])
     origins = Origins(FIG9, mapping)
     theta = low + (high - low) * Fraction(part)
-    arrival, flights = origins.exact(theta, 1, lambda flights: flights.number(Fraction(1, 4)), 40)
+    arrival, flights = origins.refined_arrival(
+        theta, 1, lambda flights: flights.number(Fraction(1, 4)), 40
+    )
     assert arrival.kind in (CONTACT, REACHED)
     x_m = flights.contact(flights.number(theta))
     t_m = theta / FIG9.Omega
