@@ -62,6 +62,17 @@ FLOW_DIGITS = 130
 # adversarial phases.
 FLOW_TIME = 1e-9
 FINE_FLOW_TIMES = ("1e-21", "1e-24")
+# A gap in FLOW_DIGITS digits counts only if it exceeds 10^SPARE_DIGITS units of the last digit.
+SPARE_DIGITS = 20
+# Times over the largest rate at which DOP853 decides. What the long one leaves undecided, the short
+# one may decide: its third-order term is small.
+SOLVER_TIMES = (1e-2, 1e-13)
+SOLVER_TOLERANCE = 1e-13
+# What the scaled result of DOP853 may be wrong by (measured: 1e-15).
+SOLVER_ERROR = 1e-13
+# Decimal exponents of the distances of adversarial phases: 1e-3 to 1e-14.
+DISTANCE_EXPONENTS = range(3, 15)
+MOST_SHOWN_MISMATCHES = 20
 #: The three ways, and why they leave a phase undecided.
 G_SIGNS = "G-functions"
 EXACT_FLOW = "exact flow"
@@ -169,7 +180,7 @@ class GrazingReport:
         lines.append(
             f"  decided by {orders}; {self.finely} phases needed intervals; {self.seconds:.2f} s"
         )
-        lines += [f"  mismatch: {mismatch}" for mismatch in self.mismatches[:20]]
+        lines += [f"  mismatch: {mismatch}" for mismatch in self.mismatches[:MOST_SHOWN_MISMATCHES]]
         return "\n".join(lines)
 
 
@@ -231,10 +242,10 @@ def check_grazing(
     theta = np.random.default_rng(seed).uniform(0.0, 2 * pi, n)
     mismatches = list[dict[str, str]]()
     parts = []
-    done = 0
+    done = 0  # random phases
 
     def disagree(phase: object, way: str, expected: str, seen: str) -> None:
-        """Add a mismatch of a way with the window."""
+        """Add a mismatch of a way with the window, which expects something else than is seen."""
         mismatches.append({"theta": str(phase), "way": way, "window": expected, "found": seen})
 
     of_window = place_text(window.place)
@@ -358,7 +369,8 @@ def _decide_special(ways: Ways) -> Decisions:
     zeros = _exact_zeros(ways)
     quarters = {sympy.Integer(0), sympy.pi / 2, sympy.pi, 3 * sympy.pi / 2}
     special = sorted(zeros | quarters, key=float)
-    offsets = [Fraction(0)] + [Fraction(sign, 10**k) for k in range(3, 15) for sign in (1, -1)]
+    offsets = [Fraction(0)]
+    offsets += [Fraction(sign, 10**k) for k in DISTANCE_EXPONENTS for sign in (1, -1)]
     numbers = {base: ways.fine.context.mpf(str(base.evalf(FLOW_DIGITS + 10))) for base in special}
     rows = []
     for base, offset in product(special, offsets):
@@ -485,9 +497,12 @@ class Ways:
         ]
         known_zero = [zero, zero and abs(self.gamma) == abs(self.amplitude), False]
         for order, (G, is_zero) in enumerate(zip(values, known_zero, strict=True), start=1):
-            if is_zero == (0 not in G):  # undecided, or the interval contradicts the zero
+            # An interval with 0 that is not known to be 0 is undecided; one without 0 contradicts a
+            # known zero.
+            if is_zero == (0 not in G):
                 break
             if not is_zero:
+                # The whole interval has the sign of its lower end. Only an odd order turns back.
                 leads_back = bool(-self.side * G.a > 0)
                 verdict = YES if order % 2 == 1 and leads_back else NO
                 return verdict, order
@@ -500,6 +515,7 @@ class Ways:
         the gap is too small.
         """
         tau = FLOW_TIME / self.K.rate
+        # The basis in many digits, rounded: only the rounding of the gap itself is left.
         basis = self.fine.namespace["basis"]
         convert = self.fine.context.convert
         bases = [
@@ -521,7 +537,7 @@ class Ways:
         gaps = [
             self._velocity_gap(basis, s, c, self.v_fine, self.fine.K) for basis in self._fine_bases
         ]
-        least = self.size * context.mpf(10) ** (20 - FLOW_DIGITS)
+        least = self.size * context.mpf(10) ** (SPARE_DIGITS - FLOW_DIGITS)
         for gap, (_, _, E2, _, _) in zip(gaps, self._fine_bases, strict=True):
             if abs(gap) <= least * abs(E2):
                 return NOT_DECIDED
@@ -558,15 +574,13 @@ class Ways:
         within its error.
         """
         verdicts = np.zeros(len(theta), dtype=int)
-        # What the long time leaves undecided, the short one may decide: its third-order term is small.
-        for time_over_rate in (1e-2, 1e-13):
+        for time_over_rate in SOLVER_TIMES:
             left = np.flatnonzero(verdicts == NOT_DECIDED)
             if len(left):
                 tau = time_over_rate / self.K.rate
                 before = self.gap_by_solver(theta[left], -tau)
                 after = self.gap_by_solver(theta[left], tau)
-                # What the scaled result of DOP853 may be wrong by (measured: 1e-15).
-                least = 1e-13 + self._third_order_bound(tau) / self.size
+                least = SOLVER_ERROR + self._third_order_bound(tau) / self.size
                 verdicts[left] = _verdicts(before, after, least)
         return verdicts
 
@@ -590,7 +604,13 @@ class Ways:
             return np.concatenate([self.v + u, force / (self.size * tau)])
 
         done = solve_ivp(
-            rhs, (0.0, 1.0), np.zeros(2 * n), method="DOP853", rtol=1e-13, atol=1e-13, max_step=0.25
+            rhs,
+            (0.0, 1.0),
+            np.zeros(2 * n),
+            method="DOP853",
+            rtol=SOLVER_TOLERANCE,
+            atol=SOLVER_TOLERANCE,
+            max_step=0.25,
         )
         return -self.side * done.y[n:, -1]
 

@@ -40,7 +40,15 @@ from symosc.base.display.latex import (
 from symosc.base.display.progress import late_bar
 from symosc.base.exact import read_exact, whole_number
 from symosc.engine.arithmetic import column_functions
-from symosc.grazing.backward import CONTACT, MOST_BACKWARD_STEPS, NEVER, STEP, TOUCH, Origins
+from symosc.grazing.backward import (
+    CONTACT,
+    MOST_BACKWARD_STEPS,
+    NEVER,
+    STEP,
+    TOUCH,
+    BackwardState,
+    Origins,
+)
 from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import basis
 from symosc.kernels.theorem7_cases import ARC, EMPTY, EVERYTHING
@@ -56,6 +64,17 @@ PIECE_POINTS = 33
 CURVE_JUMP = 1e-3
 # Shorter pieces are not searched: there double precision begins to take near contacts for touches.
 FINEST_CURVE = 1e-6
+# A piece has enough samples if PIECE_POINTS of them are farther than this part of it from its ends.
+NEAR_ENDS = 0.1
+# How near to an open end of the window the curve is sampled, as a part of the arc.
+GAP_AT_END = 1e-7
+# A change of theta_i is continuous if the slopes explain it but for this part.
+EXPLAINED = 0.25
+# Digits with which a contact is decided that doubles leave undecided.
+CAREFUL_DIGITS = 30
+# At |k v_lambda| = |B0| Omega a G^(1) below this part of its terms is that of the tangency of fourth
+# order.
+FLAT = 1e-13
 # Steps of all searches for one curve; when they are used up, each search has LEAST_STEPS left.
 MOST_STEPS_OF_ALL = 40_000
 LEAST_STEPS = 50
@@ -281,7 +300,7 @@ def _piece(tracer: Tracer, run: PhaseRun) -> CurvePiece:
     samples = run.samples
     first = samples[0].theta_m
     last = samples[-1].theta_m
-    margin = 0.1 * (last - first)
+    margin = NEAR_ENDS * (last - first)
     inside = [s for s in samples if first + margin < s.theta_m < last - margin]
     has_few = len(inside) < PIECE_POINTS
     if has_few and last - first >= FINEST_CURVE:
@@ -333,27 +352,17 @@ class Tracer(Origins):
         K = self.K
         order = self._order_at(theta_m)
         steps = max(LEAST_STEPS, min(MOST_BACKWARD_STEPS, self.steps_left))
-        arrival = self.arrival(theta_m, order, digits=30, repeats=int(careful), most_steps=steps)
+        arrival = self.arrival(
+            theta_m, order, digits=CAREFUL_DIGITS, repeats=int(careful), most_steps=steps
+        )
         tau = float(arrival.tau)
         dx = float(arrival.dx)
-        a = float(arrival.a)
         self.steps_left -= int(tau * K.rate / STEP)
         x_m = self.rest + self.gain * cos(theta_m)
         if arrival.kind not in (CONTACT, TOUCH):
             origin = NOWHERE if arrival.kind == NEVER else UNKNOWN
             return Sample(theta_m, x_m, origin, x=nan, theta=nan, slope_x=nan, slope_theta=nan)
-        # How the start moves along the curve, by the implicit function theorem: there v is that of
-        # the belt. `growth` is that of a flow followed back.
-        G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
-        E0, E1, *_ = basis(tau, K)
-        growth = exp(min(K.cm * tau, LARGEST_EXPONENT))
-        if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
-            slope_theta = SLOPE_OF_TOUCHES
-        elif a != 0.0:
-            slope_theta = -growth * E1 * G1 / a
-        else:
-            slope_theta = inf
-        slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
+        slope_x, slope_theta = self._slopes(theta_m, arrival)
         if arrival.boundary == self.place.boundary:
             origin = OWN
         else:
@@ -369,14 +378,32 @@ class Tracer(Origins):
             undecided=not careful and arrival.kind == TOUCH,
         )
 
+    def _slopes(self, theta_m: float, arrival: BackwardState) -> tuple[float, float]:
+        """Return the derivatives by theta_m of x and theta at the start `arrival` of a flow."""
+        # By the implicit function theorem: at the start v is that of the belt (the formulas at the
+        # top of the module). `growth` is that of a flow followed back.
+        K = self.K
+        tau = float(arrival.tau)
+        a = float(arrival.a)
+        G1 = -(K.w0sq * self.v + K.fB * sin(theta_m))
+        E0, E1, *_ = basis(tau, K)
+        growth = exp(min(K.cm * tau, LARGEST_EXPONENT))
+        if arrival.kind == TOUCH:  # neighbours that touch as well do it after the same time
+            slope_theta = SLOPE_OF_TOUCHES
+        elif a != 0.0:
+            slope_theta = -growth * E1 * G1 / a
+        else:
+            slope_theta = inf
+        slope_x = (self.v * slope_theta + growth * E0 * G1 / K.w0sq) / K.Om
+        return slope_x, slope_theta
+
     def _order_at(self, theta_m: float) -> int:
         """Return the order of the first G-function that does not vanish at the tangency: 1, or 3
         where it is one of fourth order.
         """
         K = self.K
         level = K.w0sq * self.v
-        # At |k v_lambda| = |B0| Omega so small a G^(1) is that of the tangency of fourth order.
-        is_flat = abs(level + K.fB * sin(theta_m)) <= 1e-13 * abs(level)
+        is_flat = abs(level + K.fB * sin(theta_m)) <= FLAT * abs(level)
         pull = abs(self.p.k * self.p.belt(self.place.boundary))
         if is_flat and pull == abs(self.p.B0 * self.p.Omega):
             return 3
@@ -390,10 +417,10 @@ def _phases_of(low: float, high: float, closed: bool, n: int) -> np.ndarray:
     """Return n phases in an arc, densest near open ends, with both ends of a closed one included."""
     if closed:
         return low + (high - low) * (np.arange(n + 1) / n)
-    # Chebyshev's nodes.
+    # Chebyshev's nodes, and one phase just inside each end.
     waves = column_functions()["cos"](pi * (np.arange(n - 2) + 0.5) / (n - 2))
     inner = 0.5 * (low + high) - 0.5 * (high - low) * waves
-    gap = 1e-7 * (high - low)  # how near to an open end of the window the curve is sampled
+    gap = GAP_AT_END * (high - low)
     first = low + gap
     last = high - gap
     return np.concatenate([[first], inner[(inner > first) & (inner < last)], [last]])
@@ -479,7 +506,7 @@ def _continuous(left: Sample, right: Sample) -> bool:
     change = right.theta - left.theta
     expected = 0.5 * (left.slope_theta + right.slope_theta) * (right.theta_m - left.theta_m)
     is_large = abs(change) > SMALL_CHANGE  # so nan counts as continuous
-    return not is_large or abs(change - expected) <= 0.25 * abs(change)
+    return not is_large or abs(change - expected) <= EXPLAINED * abs(change)
 
 
 class OriginEdge(NamedTuple):
@@ -511,8 +538,10 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> OriginEdge | None:
         if left.origin == right.origin and abs(right.theta - left.theta) < CURVE_JUMP:
             return None
         middle = tracer.sample(theta, careful=False)
+        # A change of origin is halved by the origin, a jump by which side the start is nearer to.
         to_left = middle.origin == left.origin
         if left.origin == right.origin:
+            # Another origin between two equal ones: too short a piece.
             if not to_left and right.theta_m - left.theta_m < FINEST_CURVE:
                 return None
             to_left = to_left and abs(middle.theta - left.theta) < abs(right.theta - middle.theta)

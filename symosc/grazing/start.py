@@ -36,6 +36,9 @@ from symosc.scenes import ParametersLike, parameters_of
 
 DEFAULT_DIGITS = 40
 MOST_START_DIGITS = 2000
+# Digits beyond those wanted, with which t_m and t0 are compared.
+SPARE_DIGITS = 20
+VERDICT_DIGITS = 50
 MOST_PERIODS_BACK = 1e6
 
 
@@ -213,7 +216,7 @@ def start_of(
             return flights.K.period * periods
         return flights.number(time) - flights.number(until)
 
-    if far(origins.flights(decimals + 20)) <= 0:
+    if far(origins.flights(decimals + SPARE_DIGITS)) <= 0:
         raise ParameterError("t0", float(until or 0), f"must be earlier than t_m = {float(time)!r}")
     arrival, flights = origins.refined_arrival(angle, order, far, decimals)
     context = flights.context
@@ -228,7 +231,8 @@ def start_of(
     theta = theta_m - flights.K.Om * arrival.tau
     two_pi = 2 * context.pi
     theta -= two_pi * context.floor(theta / two_pi)
-    # `nowhere`: no start is found; `matches`: it is the one that is looked for.
+    # `nowhere`: the flow was followed to no start. `matches`: the start is what is looked for, a
+    # contact with the mapping's belt or, with t0, the state at t0.
     is_contact = kind in (backward.CONTACT, backward.TOUCH)
     if until is None:
         nowhere = not is_contact
@@ -436,7 +440,7 @@ def is_grazing(
     if not 0 <= limit < 1:
         raise ParameterError("tolerance", tolerance, "must be >= 0 and < 1")
     tolerance = float(limit)
-    context = mp_context(50)
+    context = mp_context(VERDICT_DIGITS)
     angle = number_of(read_phase("theta", theta), context)
     position = number_of(read_angle("x", x), context)
     v, Om = (number_of(q, context) for q in (p.belt(where.boundary), p.Omega))
@@ -464,7 +468,7 @@ def is_grazing(
             margin = abs(value)
         values.append(float(value))
         margins.append(float(margin))
-        if margin > tolerance:
+        if margin > tolerance:  # the first one that does not vanish decides
             last = order
             grazing = order % 2 == 1 and where.side * value < 0
             reason = _reason_of_verdict(order, grazing)

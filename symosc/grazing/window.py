@@ -38,6 +38,8 @@ from symosc.model import Parameters
 from symosc.scenes import ParametersLike, parameters_of
 
 WINDOW_DIGITS = 30
+# numpy's sine is right to 1e-15: phases whose sine is nearer to that of an end are decided exactly.
+NEAR_END = 1e-12
 
 
 @public
@@ -213,6 +215,8 @@ class GrazingWindow(Drawable, LatexAnswer):
         theta_cr = self.critical_phase()
         mirrored = context.pi - theta_cr
         rising = (2 * context.pi if theta_cr < 0 else 0) + theta_cr
+        # It grazes where the sine is above that of Theta_cr (between it and its mirror image), or
+        # else below.
         if self.place.side * amplitude_sign < 0:
             low, high = mirrored, rising
         else:
@@ -221,7 +225,9 @@ class GrazingWindow(Drawable, LatexAnswer):
         return float(low), float(high) if high != 0 else turn
 
     def critical_phase(self) -> Number:
-        """Return Theta_cr as an mpmath number of 30 digits; nan where it does not exist."""
+        """Return Theta_cr as an mpmath number of WINDOW_DIGITS digits; nan where it does not
+        exist.
+        """
         context = mp_context(WINDOW_DIGITS)
         _, _, excess_sign = self.signs  # of |gamma| - |amplitude|
         if self.amplitude == 0 or excess_sign > 0:
@@ -268,8 +274,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         _, amplitude_sign, _ = self.signs
         distance = np.sin(theta.astype(float)) + float(self.gamma / self.amplitude)
         inside = distance * (self.place.side * amplitude_sign) > 0
-        # numpy's sine is right to 1e-15; phases nearer to an end are decided exactly.
-        close = np.nonzero(np.abs(distance) <= 1e-12)
+        close = np.nonzero(np.abs(distance) <= NEAR_END)
         for index in zip(*close, strict=True):
             inside[index] = self._sign_at(theta[index]) > 0
         return inside
@@ -341,6 +346,7 @@ class GrazingWindow(Drawable, LatexAnswer):
         cosine = (p.c * self.speed - p.A(self.place.domain)) / p.B0
         if abs(cosine) >= 1:
             return sp.S.EmptySet  # at |cosine| = 1 the sine is 0: an inflection
+        # Of the two phases with F = 0 one grazes, the other leads out: by the sign of the sine.
         theta = sp.acos(rational(cosine))
         return sp.FiniteSet(theta if self.place.side * p.B0 > 0 else 2 * sp.pi - theta)
 
@@ -422,7 +428,7 @@ def angle_text(sign: int, sine: Fraction, halves: Fraction | int) -> str:
         multiple = f"{top}/{halves.denominator}"
     if not sign:
         return multiple
-    minus = sign * sine < 0
+    minus = sign * sine < 0  # the arcsine is odd
     arcsine = f"asin({abs(sine)})"
     if minus and halves == 1:
         return f"pi - {arcsine}"

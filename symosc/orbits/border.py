@@ -56,6 +56,12 @@ from symosc.words import Word, cycle
 
 # The distances, as parts of the ranges, from a branch's end to where its border is looked for.
 AWAY = (1e-7, 1e-6, 1e-5)
+# A branch that ends at a value below this part of its largest one ends at 0.
+ROUNDED_TO_0 = 1e-12
+# How near to a border a point is on it, as a part of the ranges.
+ON_BORDER = 1e-4
+# Parts into which the cubic between two points of a border is cut to measure distances from it.
+PARTS_OF_STEP = 8
 STEP = 0.002
 MOST_POINTS = 5000
 #: What stands for a word where the mass may rest on a belt for ever.
@@ -132,7 +138,7 @@ class Border(Drawable):
         for distance in BESIDE:
             words = self.words_beside(len(self) // 2, distance)
             if words[0] != own and own in words:
-                self._side = -self._side
+                self._side = -self._side  # of the curve that `beside` looks at first
                 words = words[::-1]
             if words[0] == own and words[1] != own:
                 return words
@@ -427,16 +433,20 @@ def _distinct(begun: Iterable[Begun], step: float, most: int) -> list[Border]:
 def passes(
     border: Border, values: Sequence[float] | np.ndarray, words: Sequence[str | None]
 ) -> bool:
-    """Return whether `border` has `words` on its sides and passes the point `values` within 1e-4 of
-    the ranges.
+    """Return whether `border` has `words` on its sides and passes the point `values` within
+    ON_BORDER of the ranges.
     """
     if set(border.words) != set(words):
         return False
     # The chords of long steps are farther from the curve than that: the cubics between the points
-    # are cut in eight.
+    # are cut.
     nodes = border._nodes
     system = border._system
-    between_nodes = (between(a, b, eighth / 8) for a, b in pairwise(nodes) for eighth in range(8))
+    between_nodes = (
+        between(a, b, part / PARTS_OF_STEP)
+        for a, b in pairwise(nodes)
+        for part in range(PARTS_OF_STEP)
+    )
     curve = np.array([system.values(z) for z in (*between_nodes, nodes[-1].z)])
     # The distance of the point from each chord: from the foot of the perpendicular, or an end.
     from_point = (curve - values) / border._plane.widths
@@ -444,7 +454,7 @@ def passes(
     squares = np.maximum((chords * chords).sum(axis=1), 1e-300)
     fractions = np.clip(-(from_point[:-1] * chords).sum(axis=1) / squares, 0, 1)
     nearest = from_point[:-1] + fractions[:, None] * chords
-    return bool((np.abs(nearest).max(axis=1) < 1e-4).any())
+    return bool((np.abs(nearest).max(axis=1) < ON_BORDER).any())
 
 
 @public
@@ -506,7 +516,7 @@ def continue_border(
             f"{reason.message}"
         )
         raise ParameterError("end", end, allowed)
-    if abs(reason.value) > 1e-12 * np.abs(branch.values).max():
+    if abs(reason.value) > ROUNDED_TO_0 * np.abs(branch.values).max():
         value = reason.value
     else:
         value = 0.0
@@ -514,11 +524,8 @@ def continue_border(
     plane = _read_plane(parameters, branch.parameter, parameter, range)
     longest, most = _read_steps(step, max_points)
     values = np.array([value, float(getattr(parameters, parameter))])
-    # From the end towards the middle of the branch; where both have one value, up from the first
-    # end and down from the last.
-    middle_value = branch.values[len(branch.values) // 2]
-    inward = np.sign(middle_value - reason.value) or (1.0, -1.0)[number]
     near = Orbit(Word(branch.labels), branch.periods, branch.orbit(at_end).phases())
+    # Without a word beyond the end the border has a closed form.
     if reason.beyond is None:
         closed = closed_form(plane, values, near)
     else:
@@ -527,8 +534,35 @@ def continue_border(
         border = traced(*closed, longest, most)
         border.kind = reason.kind
         return border
+    # From the end towards the middle of the branch; where both have one value, up from the first
+    # end and down from the last.
+    middle_value = branch.values[len(branch.values) // 2]
+    inward = np.sign(middle_value - reason.value) or (1.0, -1.0)[number]
+    begun = _begun_at_end(plane, values, near, inward)
+    if begun is None:
+        raise BorderError(
+            f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not "
+            f"found: {reason.message}"
+        )
+    border = traced(*begun, longest, most)
+    # The branch's word comes first, and what happens is what happens to it.
+    if border.words[1] == cycle(branch.word):
+        border.words = border.words[::-1]
+        border._side = -border._side
+        border.kind = reason.kind
+    return border
+
+
+def _begun_at_end(
+    plane: BorderPlane, values: np.ndarray, near: Orbit, inward: float
+) -> Begun | None:
+    """Return the border that crosses a line along the plane's first parameter at the point `values`,
+    the end of a branch; None if it is not found.
+
+    `near` is the orbit at the end, `inward` the sign of the direction from the end into the branch.
+    """
+    first_width, _ = plane.widths
     for distance in AWAY:
-        first_width, _ = plane.widths
         shift = np.array([inward * distance * first_width, 0.0])
         inside, outside = (
             motion_at(plane.parameters(values + sign * shift), near) for sign in (1, -1)
@@ -539,17 +573,8 @@ def continue_border(
             plane, PlacedOrbit(values + shift, inside), PlacedOrbit(values - shift, outside)
         )
         if begun is not None:
-            border = traced(*begun, longest, most)
-            # The branch's word comes first.
-            if border.words[1] == cycle(branch.word):
-                border.words = border.words[::-1]
-                border._side = -border._side
-                border.kind = reason.kind
-            return border
-    raise BorderError(
-        f"the border of {branch.word} at {branch.parameter} = {reason.value:.8g} was not found: "
-        f"{reason.message}"
-    )
+            return begun
+    return None
 
 
 def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple[float, int]:

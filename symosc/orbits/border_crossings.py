@@ -14,9 +14,11 @@ from symosc.orbits.border_points import MOST_HALVINGS, PlacedOrbit, motion_at, s
 from symosc.orbits.border_system import BorderPlane, BorderSystem, ClosedForm, Node, zeros_of
 from symosc.orbits.closing_equations import ClosingEquations, Orbit
 
-# Distances as parts of the ranges: from a border to where its words are looked at, and from a
-# border to where a narrow region behind it is looked for.
+# Distances as parts of the ranges: from a border to where its words are looked at (or, for the loss
+# of a word, as a part of the way), and from a border to where a narrow region behind it is looked
+# for.
 BESIDE = (1e-6, 1e-5, 1e-4, 1e-7)
+BESIDE_PART = 1e-5
 SHIFTS = (1e-9, 1e-8, 1e-7, 1e-6)
 # The inequalities of a word that are tried, those that are nearest to 0 first.
 TRIED = 6
@@ -61,6 +63,7 @@ def closed_form(
     p = plane.parameters(place)
     system = ClosedForm(plane, p, orbit)
     holds, drives = system.terms(place)
+    # A line of speed 0 is a border where friction holds the mass; any other has equal terms.
     if system.line:
         is_there = holds > drives > 0
     else:
@@ -182,7 +185,7 @@ def all_crossings(plane: BorderPlane, start: PlacedOrbit, stop: PlacedOrbit) -> 
     crossing = system.values(node.z)
     own = system.orbit(node.z)
     if not 0 <= linear.dot(crossing - start.values, direction) <= linear.dot(segment, direction):
-        return  # the border at the segment's end, once more
+        return  # the border at the segment's end, where this search came from, once more
     # Step off the border to both sides, as little as shows two different words there, or as far as
     # the widest shift.
     for shift in SHIFTS:
@@ -231,7 +234,7 @@ def loss_of_word(
             low = middle
     at_border = place + high * segment
     # Beside the border, by a small part of the way inside.
-    near = place + (high + (1 - high) * BESIDE[1]) * segment
+    near = place + (high + (1 - high) * BESIDE_PART) * segment
     # The border's node gives a guess for the orbit beside it, whose word may differ from that of
     # `inside`; the border is then that of this orbit.
     begun = closed_form(plane, at_border, inside.orbit)

@@ -111,7 +111,7 @@ class Walk:
     def run(self) -> BorderEnd:
         """Follow the border to its end and return it; nodes and special points are kept."""
         step = self.longest
-        bend = 0.0 * self.first.z
+        bend = 0.0 * self.first.z  # not known yet
         while True:
             here = self.path[-1]
             node = self._next_node(here, step, bend)
@@ -140,6 +140,7 @@ class Walk:
 
     def _next_node(self, here: Node, step: float, bend: np.ndarray) -> Node | None:
         """Return the node a step further, or None if the step is too long for the curve."""
+        # `bend` is how the tangent changes by length.
         guess = here.z + step * here.tangent + 0.5 * step * step * bend
         node = self.system.node(guess, here.tangent)
         if node is None or not linear.norm(node.z - guess) < FARTHEST * step:
@@ -177,6 +178,7 @@ class Walk:
 
     def _end_here(self, here: Node, bound: Bound | None) -> BorderEnd | None:
         """Return the end of the border if it is at the last node or before it, else None."""
+        # The inequalities are checked first: the border ends where one fails, whatever comes later.
         closed = bound is None and self._is_closed(here)
         is_last = bound is not None or closed or len(self.path) > self.most
         if is_last or len(self.path) - self.checked > CHECKED:
@@ -227,8 +229,10 @@ class Walk:
         if all(condition.value > 0 for condition in self.margins):
             if _are_steady(before, self.margins):
                 return None
+            # They hold at both checks, but one may fail in between: every node is looked at.
             between_checks = range(low + 1, high)
             return next((i for i in between_checks if self._fails(i)), None)
+        # One fails at the last node: bisected.
         while high - low > 1:
             middle = (low + high) // 2
             if self._fails(middle):

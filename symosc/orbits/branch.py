@@ -100,10 +100,45 @@ SHORTEST_STEP = 1e-10
 # of the arclength, to which ends are located; closer by, rounding would decide what has happened
 RESOLUTION = 1e-12
 NO_GAP = 1e-7  # nearer to a change a gap before it cannot be seen, and nothing is proven on the way
+# On a shorter piece a margin that cannot be bounded away from 0 touches it, unless the shortest
+# stretch around it that ends at no orbit is no longer than BESIDE_CHANGE: there it is rounding.
+SHORTEST_PROOF = 1e-9
+BESIDE_CHANGE = 1e-4
 MARGIN_SAFETY = 4.0
+FEWEST_PARTS = 12
 MOST_PARTS = 800
+# A step is refused if the tangent turns by more than what this cosine says, or if the point halfway
+# is farther from the cubic than this part of the chord.
+LEAST_COSINE = 0.9
+OFF_CUBIC = 1e-2
+GROWTH = 1.5
+# Newton's steps of a correction, at most, and the largest one, in arclength: farther off another
+# root is found.
+MOST_CORRECTIONS = 12
+LONGEST_CORRECTION = 1.0
+# The change of the parameter, as a part of its range, in the finite differences of the residuals:
+# Newton's method needs no better ones.
+DIFFERENCE = 1e-6
+# Equations that are kept for further use.
+MOST_KEPT = 32
+# A first orbit with a margin below this part of its terms is at an end, and an orbit beside it is
+# looked for at these arclengths.
+AT_END = 1e-6
+BESIDE_END = (1e-6, 1e-5, 1e-4)
+# Which margins vanish at an end is seen from a point that is at least this far before it: those that
+# have fallen to the first part of what they were there, or to the second one if doubles cannot
+# decide on which side of 0 any of them is.
+BEFORE_END = 1e-3
+FALLEN = 1e-5
+FALLEN_IF_UNDECIDED = 1e-3
+# Distances beyond an end, as parts of the range, at which an orbit is looked for: the nearest counts.
+BEYOND_END = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
+# How often more is gone back, each time four times as far, to an orbit that more digits confirm.
+MOST_BACK = 12
 # How often the parts of a piece are refined, at most.
 DEEPEST = 30
+# Where mu FN differs from |B0| by less than this part flights are too short for steps.
+BEGINS_TO_REST = 1e-6
 
 
 class BranchError(SymoscError, ValueError):
@@ -451,7 +486,7 @@ class Curve:
     def equations(self, value: float) -> ClosingEquations:
         """Return the closing equations for a value of the parameter."""
         if value not in self._equations:
-            while len(self._equations) >= 32:
+            while len(self._equations) >= MOST_KEPT:  # the oldest goes
                 del self._equations[next(iter(self._equations))]
             parameters = self.orbit.parameters.replace(**{self.parameter: value})
             self._equations[value] = ClosingEquations(parameters, self.word, self.orbit.periods)
@@ -492,7 +527,7 @@ class Curve:
         differences.
         """
         points, value = self.split(z)
-        change = 1e-6 * (self.high - self.low)  # Newton's method needs no more
+        change = DIFFERENCE * (self.high - self.low)
         # One-sided at the ends of the range: there may be no such system beyond.
         if value + change <= self.high:
             above = change
@@ -523,7 +558,7 @@ class Curve:
         before = np.inf
         row = self.level(normal)
         slope = None
-        for _ in range(12):
+        for _ in range(MOST_CORRECTIONS):
             try:
                 # The first slope is good enough for all steps from a near guess.
                 if slope is None:
@@ -536,8 +571,7 @@ class Curve:
                 return None
             size = np.abs(self.level(step)).max()
             largest = max(1.0, np.abs(z).max())
-            # In arclength; farther off another root is found.
-            if not np.isfinite(size) or size > 1.0:
+            if not np.isfinite(size) or size > LONGEST_CORRECTION:
                 return None
             z = z + step
             if size <= 4 * EPS * largest or (size < CONVERGING and size > before / 4):
@@ -571,7 +605,7 @@ class Curve:
             point = self.point(z, before.tangent)
         except (ParameterError, ZeroDivisionError):
             return None
-        if linear.dot(point.tangent, self.level(before.tangent)) > 0.9:
+        if linear.dot(point.tangent, self.level(before.tangent)) > LEAST_COSINE:
             return point
         return None
 
@@ -602,8 +636,8 @@ class Curve:
         return None
 
     def halfway(self, a: BranchPoint, b: BranchPoint) -> np.ndarray:
-        """Return the midpoint of the cubic through a and b with their tangents, which is near the
-        curve.
+        """Return the midpoint of the cubic through a and b with their tangents (Hermite's), which is
+        near the curve.
         """
         return 0.5 * (a.z + b.z) + 0.125 * self.distance(a, b) * (a.tangent - b.tangent)
 
@@ -625,7 +659,7 @@ class Curve:
         """
         z = self.joined(self.start, self.value)
         length = FIRST_STEP
-        reached = 0.0
+        reached = 0.0  # the farthest from the first value, for `advance`
         path = [self.point(z, np.append(np.zeros(len(z) - 1), direction))]
         beside = self._beside_an_end(path[0])
         if beside is not None:
@@ -678,15 +712,15 @@ class Curve:
                 return end(MOST, f"stopped after {most} points")
             if scanned.failed is not None:
                 return path, self._end_at(path, scanned.failed, direction)
-            length = min(1.5 * length, LONGEST_STEP)
+            length = min(GROWTH * length, LONGEST_STEP)
 
     def _beside_an_end(self, first: BranchPoint) -> BranchPoint | None:
         """Return an orbit just after the first one if that is at an end, where margins are rounding
         noise; else None. Between the two nothing is proven.
         """
-        if all(condition.value > 1e-6 * condition.scale for condition in first.conditions):
+        if all(condition.value > AT_END * condition.scale for condition in first.conditions):
             return None
-        for shift in (1e-6, 1e-5, 1e-4):
+        for shift in BESIDE_END:
             point = self.step(first, shift)
             if point and not point.failures and not self._verified(point).failures:
                 return point
@@ -710,16 +744,15 @@ class Curve:
         off = self.level(m.z - self.halfway(a, b))
         along = self.level(m.tangent)
         across = linear.norm(off - linear.dot(off, along) * along)
-        if across > 1e-2 * length + RESOLUTION:  # too far from the cubic
+        if across > OFF_CUBIC * length + RESOLUTION:
             return None
         if not changed and not m.failures:
             if self._proven(a, m, b):
                 b = self._verified(b)  # and so is m: between two orbits nothing has changed
                 if not b.failures:
                     return Scanned([m, b], None)
-            # On so short a piece a margin that cannot be bounded away from 0 is taken to touch it.
-            elif length < 1e-9:
-                if around <= 1e-4:  # all is rounding noise here; next to a change it says nothing
+            elif length < SHORTEST_PROOF:
+                if around <= BESIDE_CHANGE:
                     return Scanned([m], None)
                 # A margin is so small that doubles cannot tell whether it passes 0.
                 smallest = min(m.conditions, key=lambda c: c.value / c.scale)
@@ -776,7 +809,8 @@ class Curve:
         equations, _ = at_m
         spans = equations.spans(m.points)
         rate = equations.K.rate
-        counts = [1 + int(min(MOST_PARTS, max(12, span.tau * rate / SAMPLE))) for span in spans]
+        parts = [min(MOST_PARTS, max(FEWEST_PARTS, span.tau * rate / SAMPLE)) for span in spans]
+        counts = [1 + int(part) for part in parts]
         return all(
             _stay_positive(nodes, i, np.linspace(0.0, 1.0, count), DEEPEST)
             for i, count in enumerate(counts)
@@ -796,17 +830,19 @@ class Curve:
         """
         # Margins are compared with those at a point that is far enough before the end.
         before = next(
-            (point for point in reversed(path) if self.distance(point, failed) > 1e-3), path[0]
+            (point for point in reversed(path) if self.distance(point, failed) > BEFORE_END),
+            path[0],
         )
         # A margin counts as 0 if it has fallen to this part, or if doubles cannot decide on which
         # side of 0 it is.
         if any(condition.value > 0 for condition in failed.failures):
-            part = 1e-3
+            part = FALLEN_IF_UNDECIDED
         else:
-            part = 1e-5
+            part = FALLEN
         vanished = list[Condition]()
         for earlier, condition in zip(before.conditions, failed.conditions, strict=True):
-            limit = max(part * min(earlier.value, 1e300), MARGINAL * condition.scale)
+            fallen = part * min(earlier.value, 1e300)  # a margin without an extremum is inf
+            limit = max(fallen, MARGINAL * condition.scale)
             if condition.value < limit:
                 vanished.append(condition)
         vanished = sorted(vanished, key=lambda condition: condition.rank) or list(failed.failures)
@@ -825,7 +861,7 @@ class Curve:
         """Return the last point of a branch that more digits confirm as an orbit: `last`, or one
         just before it.
         """
-        for back in (0.0, *(RESOLUTION * 4.0**j for j in range(12))):
+        for back in (0.0, *(RESOLUTION * 4.0**j for j in range(MOST_BACK))):
             z = last.z - back * last.tangent
             if back == 0.0:
                 point: BranchPoint | None = last
@@ -846,8 +882,7 @@ class Curve:
         # through are solved for. One with an admissible orbit is the answer: with c > 0 there is no
         # second one (`symosc.orbits.floquet`).
         instead = ""
-        # Parts of the range: the nearest orbit that is found counts.
-        for distance in (1e-9, 1e-8, 1e-7, 1e-6, 1e-5):
+        for distance in BEYOND_END:
             value = point.value + direction * distance * (self.high - self.low)
             if value == point.value:
                 continue
@@ -873,7 +908,7 @@ def _begins_to_rest(p: Parameters) -> int | None:
     """Return the belt with speed 0 and mu FN nearly |B0|, on which the mass can just rest; None if
     there is none.
     """
-    near = 1e-6 * abs(p.B0)  # flights are too short for steps
+    near = BEGINS_TO_REST * abs(p.B0)
     return next(
         (
             belt
@@ -926,12 +961,16 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
     margins_at_nodes = [piece_margins(equations, points, i, u) for equations, points in nodes]
     for rows in zip(*margins_at_nodes, strict=True):  # one margin at the five points
         values = np.array(rows)
+        # Between neighbouring columns, h apart, a function is less than h^2 max|f''|/8 below its
+        # chord. h^2 f'' comes from second differences, times MARGIN_SAFETY.
         good = _proven_positive(values, MARGIN_SAFETY / 8 * _largest_bends(values, axis=1))
         if good.all():
             continue
+        # Finer fractions help only where the margins hold at the fractions themselves.
         if depth == 0 or not _proven_positive(values)[~good].all():
             return False
-        # Only runs of neighbouring fractions whose margins are still open are refined.
+        # Only runs of neighbouring fractions whose margins are still open are refined. `edges`
+        # alternate: the first fraction of a run, and the one after its last.
         edges = np.flatnonzero(np.diff(np.concatenate([[False], ~good, [False]]).astype(int)))
         for first, last in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
             low = u[max(first - 1, 0)]

@@ -44,6 +44,21 @@ MOST_SHORTENING = 0.8
 # Below this size of a (relative) correction Newton's method is taken to converge; it then goes on
 # to the last digit.
 CONVERGING = 1e-8
+# Newton's steps are rounding, and over, where they are as small as this (in EPS), or where they are
+# CONVERGING but do not shrink any more by this factor.
+LAST_STEP = 4
+NO_PROGRESS = 4
+# Positions are measured by the extent of an orbit and by how far out it is, but by no less than this.
+LEAST_SCALE = 1e-3
+# Without damping, directions that the equations fix by less than this are left alone.
+LEAST_STRETCH = 1e-9
+# Where doubles stop at a residual below this, it is solved with so many digits.
+STOPPED_BY_ROUNDING = 1e-9
+FINER_DIGITS = 40
+# With many digits: corrections that shrink by less than the first factor converge linearly, as at a
+# multiple root, if they do so more than so many times in a row.
+LINEAR = 16
+MOST_LINEAR = 16
 SINGULAR = "the Jacobian became singular"
 
 
@@ -87,8 +102,8 @@ class ConvergenceError(SymoscError, ArithmeticError):
 
 @dataclass(frozen=True)
 class OrbitPiece:
-    """A piece of an orbit, one mapping of its word: belts of start and end, mode, and the side that
-    it leaves to.
+    """A piece of an orbit, one mapping of its word: belts of start and end, mode, and the side to
+    which it goes on at its end: 1 up, -1 down.
     """
 
     label: str
@@ -297,7 +312,9 @@ class ClosingEquations:
         x_x0, x_th0, x_th1, v_x0, v_th0, v_th1 = kernels.flight_jacobian(
             v, a, v + dv, a_end, K.w0sq, K.Om, E0, E1, E2
         )
-        if piece.after_stick:  # the acceleration at the start is 0 whatever x and theta are
+        if piece.after_stick:
+            # The acceleration at the start is 0 whatever x and theta are: what its derivatives
+            # (-w0sq by x, -f0 sin theta by theta) contribute is taken away.
             x_x0 = x_x0 + K.w0sq * E2
             x_th0 = x_th0 + K.f0 * s * E2
             v_x0 = v_x0 + K.w0sq * E1
@@ -354,7 +371,8 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     # equations are scaled: f1 is a length, f2 a velocity or, at the end of a stick, an
     # acceleration.
     points = np.array(guess, dtype=float)
-    scale = np.array([max(np.ptp(points[:, 0]), np.abs(points[:, 0]).max(), 1e-3), 1.0])
+    x, _ = points.T
+    scale = np.array([max(np.ptp(x), np.abs(x).max(), LEAST_SCALE), 1.0])  # of x and of theta
     values = np.array(equations.residuals(points), dtype=float)
     best_points = points
     best_residual = np.abs(values).max()
@@ -374,15 +392,17 @@ def newton(equations: ClosingEquations, guess: np.ndarray) -> Solution:
         size = np.abs(step / scale).max()
         if not np.isfinite(size):
             return failed(steps, "the equations overflowed")
-        is_rounding = size < CONVERGING and size > size_before / 4
-        if size <= 4 * EPS or is_rounding:
+        is_rounding = size < CONVERGING and size > size_before / NO_PROGRESS
+        if size <= LAST_STEP * EPS or is_rounding:
             return Solution(points, equations.largest_residual(points), steps, True, "")
         size_before = size
+        # At most four times as long a part of the step as the last one.
         damping = min(1.0, 4.0 * damping, _largest_part(equations, points, step))
         while True:
             trial = points + damping * step
             values = np.array(equations.residuals(trial), dtype=float)
             after = np.abs(system.solve(values).reshape(-1, 2) / scale).max()
+            # Shorter in any case, by the more the larger the part of the step is.
             is_shorter = after <= (1 - damping / 4) * size
             is_converging = size < CONVERGING and damping == 1.0
             if is_shorter or is_converging:
@@ -404,24 +424,24 @@ def _linear_system(equations: ClosingEquations, points: Points) -> Factors | Sho
     """
     matrix = equations.matrix(points)
     if equations.K.cm == 0:
-        # Without damping, directions that the equations fix by less than this are left alone.
-        return Shortest(matrix, 1e-9)
+        return Shortest(matrix, LEAST_STRETCH)
     return factors(matrix)
 
 
 def solve(equations: ClosingEquations, guess: np.ndarray) -> Solution:
     """Solve the closing equations by Newton's method in doubles.
 
-    Repeat it with 40 digits if rounding stops it.
+    Repeat it with FINER_DIGITS digits if rounding stops it.
     """
     # Near the birth of a short piece its duration has few digits in doubles, and steps that small
     # are all noise.
     with np.errstate(all="ignore"):
         solution = newton(equations, guess)
-    if solution.converged or not np.isfinite(solution.residual) or solution.residual > 1e-9:
+    # Only a small residual (nan is none) says that it is rounding which stops it.
+    if solution.converged or not solution.residual <= STOPPED_BY_ROUNDING:
         return solution
     try:
-        finer = polish(equations.with_digits(40), solution.points)
+        finer = polish(equations.with_digits(FINER_DIGITS), solution.points)
     except (ZeroDivisionError, ValueError):
         return solution
     if not finer.converged:
@@ -468,15 +488,14 @@ def polish(equations: ClosingEquations, points: Points) -> Solution:
         if not context.isfinite(size) or size > largest_value:
             return Solution(points, largest, steps, False, "the corrections grow in more digits")
         points = [(x + step[2 * i], theta + step[2 * i + 1]) for i, (x, theta) in enumerate(points)]
-        is_rounding = size >= last_size / 4 and size < context.eps**0.8 * largest_value
+        is_rounding = size >= last_size / NO_PROGRESS and size < context.eps**0.8 * largest_value
         if size <= 16 * context.eps * largest_value or is_rounding:
             return Solution(points, equations.largest_residual(points), steps, True, "")
-        # Corrections that shrink so slowly converge linearly, as at a multiple root.
-        if size > last_size / 16:
+        if size > last_size / LINEAR:
             linear_steps = linear_steps + 1
         else:
             linear_steps = 0
-        if linear_steps > 16:
+        if linear_steps > MOST_LINEAR:
             return Solution(points, largest, steps, False, "a multiple root")
         last_size = size
     return Solution(points, largest, MOST_POLISHING, False, "not converged in more digits")

@@ -65,6 +65,13 @@ MOST_PERIODS = 200
 NEAR_ONE_TEXT = 1e-5
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
+# Events that are nearer to each other than this part of the time are one in doubles.
+ONE_EVENT = 2.0**-50
+# A piece of a guess may be shorter than nothing by so much of the orbit's periods: it is about to
+# vanish.
+ROUNDED_TIMES = 1e-8
+# Digits beyond those wanted with which an orbit is refined.
+SPARE_DIGITS = 15
 
 
 @public
@@ -202,7 +209,7 @@ def settled_orbit(
     ConvergenceError.
     """
     reason = f"the motion from rest does not settle within {most:,} forcing periods"
-    tried = [""]
+    tried = [""]  # words; the last one is named in the error
     for periods in SETTLING_PERIODS:
         if periods > most:
             break
@@ -215,7 +222,7 @@ def settled_orbit(
                 orbit = orbit_of_word(parameters, word, digits=digits)
                 if orbit.admissible:
                     return orbit
-        if trouble:
+        if trouble:  # more periods would not help
             reason = f"the motion from rest {trouble}"
             break
     raise ConvergenceError(tried[-1], (), 1, inf, reason)
@@ -247,8 +254,7 @@ def _too_close_text(parameters: Parameters, end: float, count: int) -> str:
     not tell.
     """
     last = simulate_many(parameters, (0, 0, 0), end).t[-count:]
-    # Events that are nearer to each other than this part of the time are one in doubles.
-    if np.diff(last).min(initial=inf) > 2.0**-50 * end:
+    if np.diff(last).min(initial=inf) > ONE_EVENT * end:
         return ""
     return f"comes too near to a graze: no stick has a length from t = {last[0]:.6g}"
 
@@ -288,7 +294,8 @@ def _best_root(
             continue
         failed = failures(tried, solution.points)
         repeats = repetitions(tried, solution.points) > 1
-        if not failed and (not repeats or tried.parameters.c > 0):  # with damping there is no other
+        # With damping there is no other orbit than one that is admissible, repeated or not.
+        if not failed and (not repeats or tried.parameters.c > 0):
             return tried, solution
         worst = max((-c.value for c in failed), default=0.0)
         roots.append(Root(bool(failed), repeats, worst, tried, solution))
@@ -324,6 +331,7 @@ def _first_root(roots: Sequence[Root]) -> tuple[ClosingEquations, Solution]:
 def _rounded_point(point: Sequence[float] | np.ndarray) -> tuple[float, float]:
     """Return the phase within a turn and x of a switching point, rounded beyond their errors."""
     x, theta = (float(value) for value in point)
+    # SAME_ORBIT is added so that a phase just below a whole turn counts as 0.
     return round((theta + SAME_ORBIT) % (2 * pi), 6), round(x, 6)
 
 
@@ -373,7 +381,7 @@ def orbit_at(
     steps = solution.steps
     word = str(equations.word)
     if digits is not None:
-        final = equations.with_digits(digits + 15)
+        final = equations.with_digits(digits + SPARE_DIGITS)
         solution = polish(final, double)
         if not solution.converged:
             best = switching_points(equations, solution.points)
@@ -568,8 +576,8 @@ def _read_guess(guess: Any, equations: ClosingEquations, periods: int | None) ->
             raise ParameterError("guess", guess, what)
         return best
     count = periods or max(1, ceil((theta[-1] - theta[0]) / (2 * pi)))
-    short = 2 * pi * count * 1e-8
-    # A piece that is shorter is about to vanish: all are made longer by it, so that none is negative.
+    short = 2 * pi * count * ROUNDED_TIMES
+    # If a piece is about to vanish all are made longer by `short`, so that none is negative.
     durations = np.diff(theta)
     if (durations > -short).all() and (durations <= 0).any():
         theta = np.maximum.accumulate(theta + short * np.arange(n))
@@ -596,8 +604,17 @@ def _guess_from_point(
 # -- guesses ---------------------------------------------------------------------------------------
 
 
-#: Phases at which simulations for guesses start.
+#: Where simulations for guesses start: positions from the centre, in units of the largest
+#: displacement expected, and the number of phases.
+OFFSETS = (0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15)
 PHASES = 8
+STARTS_AT_ONCE = 8
+#: How many times a simulation may run through the word.
+RUN_CYCLES = 8
+#: Guesses without a simulation: the number of phases of their first points, and the amplitudes, in
+#: units of the largest displacement expected.
+EVEN_PHASES = 16
+EVEN_AMPLITUDES = (0.2, 0.6)
 
 
 class Run(NamedTuple):
@@ -625,9 +642,10 @@ class Guess(NamedTuple):
 def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, most: int) -> Run:
     """Follow the motion from a belt in doubles through `most` events, or until it comes to rest."""
     K = equations.K
-    turns = int(theta // (2 * pi))
     wave = equations.sin(theta), equations.cos(theta)
     start = belt_start(boundary, x, wave, equations.arithmetic)
+    # A state has its phase as whole turns and an angle within a turn.
+    turns = int(theta // (2 * pi))
     angle = theta - 2 * pi * turns
     wave = equations.sin(angle), equations.cos(angle)
     state = belt_state(start, (turns, angle), wave, x, Covariance(0.0, 0.0, 0.0), K)
@@ -636,7 +654,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     code = END
     loops = CHOICE.of_searches()
     constants = loops.constants(K)
-    t_end = 1e6 * K.period
+    t_end = 1e6 * K.period  # later than `most` events
     motion = loops.motion(t_end, 0.0, t_end)
     motion.put(state)
     for _ in range(20 * most):  # searches that end without an event count too
@@ -693,7 +711,7 @@ def _words_of_a_period(equations: ClosingEquations, run: Run) -> list[Word]:
         if not 0 < len(of_period) <= LONGEST_SIMULATED:
             continue
         has_unknown = len(of_period) < last - first
-        begins_too_early = begins_at < phases[0] - 1
+        begins_too_early = begins_at < phases[0] - 1  # before the run, by more than this phase
         if has_unknown or begins_too_early:
             continue
         # Words begin as that of the equations does, if possible.
@@ -718,13 +736,12 @@ def resting_text(
     """
     if mode <= ON_BELT:
         return f"the motion ends up in Omega{mode} and meets no belt any more"
-    positions = rest_positions(parameters, mode - ON_BELT)
+    belt = mode - ON_BELT
+    positions = rest_positions(parameters, belt)
     if positions is None:
-        return f"the motion ends up on belt {mode - 3} for ever"
+        return f"the motion ends up on belt {belt} for ever"
     low, high = (f"{float(value):.6g}" for value in positions)
-    return (
-        f"{beginning} on belt {mode - 3}, where every x from {low} to {high} is a position of rest"
-    )
+    return f"{beginning} on belt {belt}, where every x from {low} to {high} is a position of rest"
 
 
 def guesses_of_word(
@@ -763,15 +780,14 @@ def largest_displacement(equations: ClosingEquations) -> tuple[float, float]:
 
 
 def from_simulations(equations: ClosingEquations, periods: int | None) -> Iterator[Guess]:
-    """Yield guesses from simulated motions that start on the word's belts: of every eight starts
-    the four best.
+    """Yield guesses from simulated motions that start on the word's belts: of every STARTS_AT_ONCE
+    starts the BEST_GUESSES best.
     """
-    # They start at 7 positions, in units of the largest displacement expected, at 8 phases.
     centre, size = largest_displacement(equations)
     boundaries = sorted({piece.start for piece in equations.pieces})
-    most = max(LEAST_RUN_EVENTS, 8 * len(equations.pieces))
-    starts = product((0.0, -0.4, 0.4, -0.8, 0.8, -0.15, 0.15), range(PHASES), boundaries)
-    while batch := list(islice(starts, 8)):
+    most = max(LEAST_RUN_EVENTS, RUN_CYCLES * len(equations.pieces))
+    starts = product(OFFSETS, range(PHASES), boundaries)
+    while batch := list(islice(starts, STARTS_AT_ONCE)):
         guesses: list[Guess] = []
         for offset, j, boundary in batch:
             run = follow(equations, centre + offset * size, 2 * pi * j / PHASES, boundary, most)
@@ -785,7 +801,7 @@ def evenly_spaced(equations: ClosingEquations, periods: int) -> Iterator[Guess]:
     """
     (centre, size) = largest_displacement(equations)
     n = len(equations.pieces)
-    for j, amplitude in product(range(16), (0.2, 0.6)):
-        theta = 2 * pi * (j / 16 + periods * np.arange(n) / n)
+    for j, amplitude in product(range(EVEN_PHASES), EVEN_AMPLITUDES):
+        theta = 2 * pi * (j / EVEN_PHASES + periods * np.arange(n) / n)
         x = centre + amplitude * size * column_functions()["sin"](theta)
         yield Guess(np.column_stack([x, theta]), periods, inf)

@@ -51,7 +51,11 @@ from symosc.kernels._generated import motion
 from symosc.model import Parameters
 from symosc.orbits.closing_equations import ClosingEquations, polish
 
-NEAR_ONE = 1e-9  # a multiplier this near to the unit circle is computed again with 50 digits
+# A multiplier this near to the unit circle is computed again with so many digits; it is on it if it
+# is then still nearer than ON_CIRCLE.
+NEAR_ONE = 1e-9
+FINE_DIGITS = 50
+ON_CIRCLE = 1e-25
 
 
 def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number, Number]:
@@ -78,7 +82,7 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
         C = 1 - K.w0sq * E2
         D = -K.w0sq * E1
         following = pieces[(i + 1) % len(pieces)]
-        ratio = 0
+        ratio = 0  # a stick
         if not following.sticks:
             x, theta = end
             ratio = equations.force(following.mode, x, equations.belt(piece.end).v, theta) / a
@@ -89,6 +93,7 @@ def multipliers_of(equations: ClosingEquations, points: Points) -> tuple[Number,
         xx = next_xx
         xv = next_xv
         determinant = determinant * ratio
+    # The flow of all flights, by Liouville's theorem. An orbit with a stick has the determinant 0.
     determinant = determinant * equations.exp(-K.cm * equations.turn / K.Om)
     context = equations.context
 
@@ -122,17 +127,17 @@ def stability_margin(
     equations: ClosingEquations, points: Points, values: tuple[Number, Number]
 ) -> float | None:
     """Return 1 - max |value|, > 0 if the orbit with the multipliers `values` is stable; None if
-    marginal (< 1e-25).
+    it is marginal (less than ON_CIRCLE).
     """
     gap = float(1 - max(abs(value) for value in values))
     if abs(gap) > NEAR_ONE:
         return gap
-    fine = equations.with_digits(50)
+    fine = equations.with_digits(FINE_DIGITS)
     root = polish(fine, points)
     if not root.converged:  # orbits that are not isolated have a multiplier of 1
         return None
     gap = float(1 - max(abs(value) for value in multipliers_of(fine, root.points)))
-    if abs(gap) < 1e-25:
+    if abs(gap) < ON_CIRCLE:
         return None
     return gap
 

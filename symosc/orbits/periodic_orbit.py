@@ -28,6 +28,15 @@ from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
 from symosc.words import Word
 
+# The step of a difference quotient, as a part of the parameter, or of LEAST_SIZE if this is smaller.
+SENSITIVITY_STEP = Fraction(1, 10**15)
+LEAST_SIZE = Fraction(1, 1000)
+SENSITIVITY_DIGITS = 50
+# Multipliers that differ by no more are one double multiplier.
+DOUBLE_MULTIPLIER = 1e-7
+# Periods of an orbit for which the approach of a motion is followed.
+APPROACH_PERIODS = 400.5
+
 
 class SwitchingPoint(NamedTuple):
     """Time and position of a switching; unpacks as (t, x).
@@ -284,7 +293,7 @@ class PeriodicOrbit(Drawable):
         columns = []
         for name in names:
             value: Fraction = getattr(self.parameters, name)
-            step = max(abs(value), Fraction(1, 1000)) / 10**15
+            step = max(abs(value), LEAST_SIZE) * SENSITIVITY_STEP
             above, below = (_neighbour(self, name, value + sign * step) for sign in (1, -1))
             columns.append(
                 [complex(a - b) / (2 * float(step)) for a, b in zip(above, below, strict=True)]
@@ -294,7 +303,7 @@ class PeriodicOrbit(Drawable):
         n = len(self.points)
         dt, dx, slopes = np.split(changes, [n, 2 * n])
         first, second = map(complex, self.multipliers)
-        if abs(first - second) <= 1e-7:  # one double multiplier
+        if abs(first - second) <= DOUBLE_MULTIPLIER:
             slopes = np.full_like(slopes, np.nan)
         return OrbitSensitivities(names, dt.real, dx.real, slopes)
 
@@ -336,7 +345,7 @@ class PeriodicOrbit(Drawable):
                 late = (t0 - float(t) + T / 2) % T - T / 2  # in [-T/2, T/2)
                 distances.append((late, x0 - float(x)))
         dt, dx = min(distances, key=lambda pair: max(map(abs, pair)), default=(nan, nan))
-        path = simulate(scene.reduced(), t_end=t0 + 400.5 * length)
+        path = simulate(scene.reduced(), t_end=t0 + APPROACH_PERIODS * length)
         elapsed = length * np.arange(1 + int((float(path.t_end) - t0) / length))
         # The orbit's states at these times, shifted by the whole forcing periods that fit best.
         choices = [self(t0 + elapsed + shift * T) for shift in range(self.periods)]
@@ -346,7 +355,7 @@ class PeriodicOrbit(Drawable):
         distance = np.abs(path(t0 + elapsed) - states).max(axis=0)
         # From the period after the last one that is too far away.
         periods = int(np.flatnonzero(distance > near).max(initial=-1)) + 1
-        reached = periods if periods < len(distance) else None
+        reached = periods if periods < len(distance) else None  # else too far at the end
         return Approach(dt, dx, offset_x, offset_v, reached, near)
 
     def as_dict(self) -> Record:
@@ -385,7 +394,8 @@ def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
     `name`.
     """
     parameters = orbit.parameters.replace(**{name: value})
-    equations = ClosingEquations(parameters, Word(orbit.labels), orbit.periods, 50)
+    word = Word(orbit.labels)
+    equations = ClosingEquations(parameters, word, orbit.periods, SENSITIVITY_DIGITS)
     solution = polish(
         equations, [(float(x), float(t) * float(parameters.Omega)) for t, x in orbit.points]
     )
@@ -393,6 +403,7 @@ def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
         raise ConvergenceError(
             orbit.word, (), orbit.periods, float(solution.residual), solution.reason
         )
+    # In the order of the orbit's multipliers: the one nearest to its first comes first.
     target = complex(orbit.multipliers[0])
     pair = sorted(
         multipliers_of(equations, solution.points), key=lambda value: abs(complex(value) - target)
