@@ -127,9 +127,8 @@ class BoxTask(NamedTuple):
     """
 
     box: Rectangle
-    near: tuple[
-        LikelyOrbit, ...
-    ] = ()  # orbits that it may have, that of the nearest rectangle first
+    # Orbits that it may have, that of the nearest rectangle first.
+    near: tuple[LikelyOrbit, ...] = ()
     divide: int = 0  # how many times it is halved before a proof is tried, as it is much too large
     # The middle of a rectangle around it or beside it, and the word there.
     above: Place | None = None
@@ -354,7 +353,7 @@ class ParameterPlane(NamedTuple):
         """
         middle, across = self.across(border.points)
         for step in (across, -across):
-            # How many steps lead to the edge of the plane.
+            # How many steps lead to the edge of the plane, the nearest one.
             sides = zip(np.array(self.range, dtype=float), middle, step, strict=True)
             reach = min(
                 ((high if change > 0 else low) - value) / change
@@ -447,7 +446,7 @@ class ParameterPlane(NamedTuple):
                     return Attempt(word, ProvenBox(word, box, tuple(surface.points())), [])
         except NotInBox as reason:
             along = reason.along
-            # A box that is 4 times too large is halved once before the next proof.
+            # A box that is 4 times too large is halved once before the next proof, and so on.
             if reason.excess < MOST_EXCESS:
                 divide = int(log2(max(reason.excess, 1)) / 2)
             else:
@@ -470,6 +469,7 @@ class ParameterPlane(NamedTuple):
 
 @lru_cache(maxsize=256)
 def _flights(labels: tuple[str, ...], p: Parameters, names: tuple[str, str]) -> Any:
+    """Return the `BoxEquations` of a word, for a plane of the parameters `names`."""
     from symosc.certificates.plane import BoxEquations, mirrors
 
     return BoxEquations(labels, mirrors(p, names))

@@ -20,10 +20,9 @@ try:
 except ImportError:
     raise MissingExtraError("certify", "certify") from None
 
-if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < (
-    0,
-    9,
-):  # before it, the negative of a ball was wrong.
+# Before this version the negative of a ball was wrong.
+FIRST_SOUND_VERSION = (0, 9)
+if tuple(int(part) for part in FLINT_VERSION.split(".")[:2]) < FIRST_SOUND_VERSION:
     raise MissingExtraError(
         f"certify with python-flint {FLINT_VERSION}, which has unsound balls,", "certify"
     )
@@ -33,9 +32,11 @@ Ball: TypeAlias = Any
 Values: TypeAlias = list[Ball]
 #: A family counts as critically damped unless its frequency is at least so many times its error.
 ROUGH = 32
-#: First step, as a part of the flight; shortest step; how many there may be.
+#: First step, as a part of the flight; shortest step; by how much a step grows after one that was
+#: enough; how many there may be.
 FIRST_COURSE_STEP = 1 / 8
 SHORTEST_COURSE_STEP = 2.0**-60
+COURSE_GROWTH = 1.5
 MOST_COURSE_STEPS = 4000
 
 
@@ -107,6 +108,7 @@ class OscillatorInBalls:
         #: or its twin.
         self.kappa = self.h * self.h - self.km
         self.damping = sure_sign(coefficient(self.kappa))
+        # Exactly, where none of them varies.
         if not {"m", "c", "k"} & (ranges or {}).keys():
             exact = p.c * p.c / (4 * p.m * p.m) - p.k / p.m
             self.damping = (exact > 0) - (exact < 0)
@@ -200,7 +202,7 @@ def prove_positive(margin: SignedGap, span: Ball) -> None:
         if sure:
             begin = end
             zeros = 0
-            step = (step * 1.5).mid()
+            step = (step * COURSE_GROWTH).mid()
         else:
             step = (((last if is_last else end) - begin) / 2).mid()
             if step <= last * SHORTEST_COURSE_STEP:

@@ -27,6 +27,8 @@ def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
     """Return the parameters and start values by which `certify` can prove derivatives (`wrt`), if
     `v0` is as given.
     """
+    # What takes a start off its belt; k, and c too, where they are 0; what an undamped resonance
+    # depends on.
     left_out = [name for n in p.law.boundaries if v0 == p.belt(n) for name in (f"v{n}", "v0")]
     if p.k == 0:
         if p.c == 0:

@@ -42,6 +42,8 @@ from symosc.simulation.tangents import read_wrt
 
 #: Omega t from which on a motion is first tried to be proven by the orbit on which it settles.
 LONG_MOTION = 6000
+#: The most digits of enclosures that may be asked for.
+MOST_DIGITS = 500
 
 
 @public
@@ -177,7 +179,7 @@ def _motion(
     if start_error is not None:
         scene = replace(scene, start_error=start_error)
     errors = read_start_error(scene.start_error) or EXACT
-    wanted = read_digits(digits, 500) or DIGITS  # digits of enclosures that may be asked for
+    wanted = read_digits(digits, MOST_DIGITS) or DIGITS
     if wrt and any(errors):
         raise ParameterError("wrt", wrt, "wrt requires a start that is known exactly")
     task = ToProve(

@@ -56,6 +56,10 @@ SPARE_DIGITS = 20
 #: Digits that are asked for where fewer leave a contact open: the engine takes up to twelve times as
 #: many for it.
 MORE_DIGITS = 200
+#: The secant method for a touch begins at the middle of the starts, and at this part of their error.
+SECOND_VALUE = Fraction(1, 4)
+#: A box of a cycle is tried after a refused one only if it is smaller by this factor.
+MUCH_SMALLER = 1000
 #: Each time the checker refuses an exact start's events, they are proposed with so many times the
 #: digits.
 FINER = (1, 2)
@@ -149,7 +153,8 @@ def fraction(number: Any) -> Fraction:
     """Return a number of mpmath, or a float, exactly as a fraction."""
     if isinstance(number, float | int | Fraction):
         return Fraction(number)
-    return Fraction(int(number.man)) * Fraction(2) ** int(number.exp) * (1 if number >= 0 else -1)
+    sign = 1 if number >= 0 else -1  # the mantissa has none
+    return Fraction(int(number.man)) * Fraction(2) ** int(number.exp) * sign
 
 
 def around(number: Any, radius: Any) -> Interval:
@@ -535,7 +540,7 @@ def _touching_value(task: ToProve, touch: Touch) -> tuple[Fraction, int]:
     points = list[tuple[Fraction, Fraction]]()
     for count in range(2 + MOST_SECANTS):
         if count < 2:
-            value = middle + reach * count / 4
+            value = middle + reach * count * SECOND_VALUE
         else:
             (value_before, gap_before), (last_value, last_gap) = points[-2:]
             if gap_before == last_gap:
@@ -580,7 +585,7 @@ def _least_gap(
     for _ in range(MOST_NEWTON):
         state = state_at(tau, launch, K)
         step = state.F / state.G1
-        if abs(step) <= 16 * context.eps * abs(tau):
+        if abs(step) <= 16 * context.eps * abs(tau):  # rounding
             break
         tau = tau - step
     state = state_at(tau, launch, K)
@@ -738,7 +743,7 @@ def _settled_statements(task: ToProve, orbit: PeriodicOrbit) -> Iterator[Record]
                 continue
             # After a refused box only a much smaller one is tried: its events may keep their order.
             width_t, _ = cycle.widths
-            if sizes and width_t * 1000 > sizes[-1]:
+            if sizes and width_t * MUCH_SMALLER > sizes[-1]:
                 continue
             sizes.append(width_t)
             entries = _cycle_entries(task, known_orbit, cycle, rows[count - 1], turn)
@@ -820,6 +825,7 @@ def _cycle(orbit: OrbitInDigits, place: int, event: Event) -> Cycle | None:
         abs(fraction(value) - c) + 2 * Fraction(error)
         for value, c, error in zip((event.t, event.x), middle, errors, strict=True)
     ]
+    # Of one shape, as large as either side needs it.
     scales = (BOX_MARGIN * off / side for off, side in zip(distances, shape, strict=True))
     scale = max(LEAST_BOX, *scales)
     widths = tuple(Fraction(one_digit(scale * side)) for side in shape)

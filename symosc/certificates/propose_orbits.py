@@ -59,6 +59,7 @@ BOXES = (1e-14, 1e-18, 1e-24, 1e-32)
 #: How many times the first-order value a hint for the checker is.
 SPARE = 32
 LEAST_REACH = Fraction(1, 10**60)
+#: Decimal digits of a multiplier's enclosure.
 MULTIPLIER_PLACES = 16
 #: Multipliers that differ by less than twice this are enclosed together.
 NEARLY_DOUBLE = Fraction(1, 2**45)
@@ -74,6 +75,8 @@ BRANCH_DIGITS = 30
 BOX_MARGIN = Fraction(1, 10)
 BEND_MARGIN = Fraction(1, 3)
 LEAST_MARGIN = Fraction(1, 10**20)
+#: So many fewer digits than are computed the boxes of a branch have.
+UNSTATED_DIGITS = 5
 #: Steps that the checker may take for one interval of a branch, and beside an end, for each event of
 #: the orbit.
 STEPS = 500
@@ -85,6 +88,8 @@ END_WIDTHS = (Fraction(1, 10**11), Fraction(1, 10**10), Fraction(1, 10**9))
 FIRST_WIDTH = Fraction(1, 50)
 LEAST_WIDTH = Fraction(1, 10**13)
 GROWTH = Fraction(8, 5)
+#: When a flight that leaves its belt to the wrong side is surely there, as a part of its duration.
+SOON = 1000
 MOST_BOXES = 100_000
 
 #: Digits of a window's ends that are computed.
@@ -183,7 +188,8 @@ def _reaches_in_time(orbit: OrbitInDigits, begin: int, half_t: str, half_x: str)
     n = len(orbit.pieces)
     slopes = orbit.slopes()
     number = orbit.context.convert
-    # What each half-width moves: its columns are changes of (t, x), its first row those of t.
+    # What each half-width moves: its columns are changes of (t, x), its first row those of t. The
+    # first event is met within the box itself, twice its half-width wide.
     moved = orbit.context.matrix([[number(half_t), 0], [0, number(half_x)]])
     reaches = [2 * moved[0, 0]]
     for i in range(begin, begin + n):
@@ -263,7 +269,7 @@ class ProposedFamily(NamedTuple):
         low, high = boxes[0]
         least_turn, most_turn = _box([values[-2] - values[0] for values in self.values])
         boxes[-2] = (low + least_turn, high + most_turn)
-        texts = [known(ends, BRANCH_DIGITS - 5) for ends in boxes]
+        texts = [known(ends, BRANCH_DIGITS - UNSTATED_DIGITS) for ends in boxes]
         value = [show(self.low), show(self.high)]
         return {"value": value, "t": texts[::2], "x": texts[1::2]}
 
@@ -450,7 +456,8 @@ class BranchProposal:
             if len(families) > MOST_BOXES:
                 what = f"what comes after {MOST_BOXES} intervals"
                 raise NothingProposed(f"{what}{self._near(families)}")
-            # Towards a graze intervals get narrower and narrower: wider ones would be refused.
+            # Towards a graze intervals get narrower and narrower: after a halving wider ones would be
+            # refused.
             width = end - at
             if not halved:
                 width = width * GROWTH
@@ -550,7 +557,7 @@ def broken(orbit: OrbitInDigits) -> Iterator[Violation]:
             sign = ">" if piece.mode > piece.start else "<"
             text = f"v {sign} v{piece.start} during {label}"
             # If it leaves the belt to the wrong side, that is seen soon after the start.
-            yield Violation("vanishing of a slip", text, start_theta / Omega + tau / 1000)
+            yield Violation("vanishing of a slip", text, start_theta / Omega + tau / SOON)
         yield from _broken_at_end(orbit, piece, following, end)
 
 
@@ -565,18 +572,22 @@ def _broken_at_end(
     forces = [equations.force(domain, x, v, theta) for domain in (belt, belt + 1)]
     # A crossing asks that both forces point along the motion, a stick for F below > 0 > F above.
     upward = piece.mode == belt
+    below, above = forces
+    has_no_jump = below == above
     for domain, force in zip((belt, belt + 1), forces, strict=True):
         sign = 1 if upward else -1
         if following.sticks:
             sign = 1 if domain == belt else -1
         if sign * force > 0:
             continue
-        kind = "birth of a stick"
-        has_no_jump = forces[0] == forces[1]
+        # The force of the flight's own domain says whether it meets the belt, that behind the belt
+        # what follows.
         if domain == piece.mode or has_no_jump:
             kind = "grazing"
         elif following.sticks:
             kind = "birth of a slip"
+        else:
+            kind = "birth of a stick"
         relation = ">" if sign > 0 else "<"
         text = f"F^({domain}) {relation} 0 where {piece.label} ends"
         yield Violation(kind, text, theta / equations.K.Om)

@@ -24,6 +24,10 @@ RATIONAL_SINES = {
 }
 RATIONAL_SINES |= {7: Fraction(-1, 2), 9: Fraction(-1), 11: Fraction(-1, 2)}
 
+# Digits that are tried first; a value counts if it exceeds 10^LOST_DIGITS units of the last one.
+FIRST_DIGITS = 30
+LOST_DIGITS = 5
+
 
 def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
     """Return the sign of level + amplitude sin(phase), exactly."""
@@ -35,11 +39,12 @@ def sine_sign(level: Fraction, amplitude: Fraction, phase: ExactPhase) -> int:
     if sine is not None or amplitude == 0:
         total = level + amplitude * (sine or 0)
         return (total > 0) - (total < 0)
-    digits = 30
+    digits = FIRST_DIGITS
     while True:
+        # With as many more as the phase has before the point.
         context = mp_context(digits + len(str(int(max(map(abs, phase))))))
         value = context.sin(phase.number(context)) + number_of(level / amplitude, context)
-        if abs(value) > context.mpf(10) ** (5 - digits):
+        if abs(value) > context.mpf(10) ** (LOST_DIGITS - digits):
             if (value > 0) == (amplitude > 0):
                 return 1
             return -1

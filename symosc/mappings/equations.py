@@ -410,6 +410,7 @@ def _matrix(rows: Any) -> np.ndarray:
 # --- the next switching point ---
 
 MOST_MAP_PERIODS = 1000  # for which a flight is followed
+SPARE_DIGITS = 10  # of the search, beyond those of the numbers that are given
 
 
 class MapError(SymoscError, ValueError):
@@ -512,11 +513,13 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
         raise ParameterError("x_i", x_i, "must be a number; maps are solved one by one")
     x, theta = points[:2]
     context = getattr(x, "context", None)
-    arithmetic = _search_arithmetic(p, context.dps + 10 if context else None)
     if context:
+        digits = context.dps + SPARE_DIGITS
         convert = context.convert
     else:
+        digits = None
         convert = float
+    arithmetic = _search_arithmetic(p, digits)
     if isinstance(arithmetic, MpArithmetic):
         inner = arithmetic.context.convert
     else:
@@ -525,6 +528,7 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     boundary = event.boundary
     end = event.state
     grazing = event.code == GRAZE
+    # The map that the motion does follow: it starts alike, and ends on this belt.
     same_start = (
         candidate
         for candidate in MAPS.values()
@@ -541,18 +545,26 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
         exit = None
     x_j = convert(end.x)
     theta_j = theta + convert(gain)
-    derivative = None
-    if not grazing:
-        J = jacobian(p, label, (x, theta), (x_j, theta_j))
-        # Implicit function theorem: minus the inverse of the block of the end, times that of the
-        # start, by Cramer's rule.
-        start = J[:, :2]
-        ((x_x1, x_th1), (v_x1, v_th1)) = J[:, 2:]
-        determinant = x_x1 * v_th1 - x_th1 * v_x1
-        if determinant != 0:
-            rows = x_th1 * start[1] - v_th1 * start[0], v_x1 * start[0] - x_x1 * start[1]
-            derivative = np.array(rows) / determinant
+    if grazing:
+        derivative = None
+    else:
+        derivative = _end_by_start(jacobian(p, label, (x, theta), (x_j, theta_j)))
     return MapPoint(label, x_j, theta_j, exit, grazing, derivative)
+
+
+def _end_by_start(J: np.ndarray) -> np.ndarray | None:
+    """Return the derivatives of a map's end by its start, from the Jacobian of f1 and f2; None where
+    the end does not move smoothly.
+    """
+    # Implicit function theorem: minus the inverse of the block of the end, times that of the start,
+    # by Cramer's rule.
+    by_start_1, by_start_2 = J[:, :2]
+    ((x_x1, x_th1), (v_x1, v_th1)) = J[:, 2:]
+    determinant = x_x1 * v_th1 - x_th1 * v_x1
+    if determinant == 0:
+        return None
+    rows = x_th1 * by_start_2 - v_th1 * by_start_1, v_x1 * by_start_1 - x_x1 * by_start_2
+    return np.array(rows) / determinant
 
 
 @lru_cache(maxsize=64)
@@ -577,7 +589,8 @@ def _next_event(
     belt = row.start.boundary
     two_pi = names["TWO_PI"]
     eps = names["EPS"]
-    turns = int(theta / two_pi) - (theta < 0)
+    turns = int(theta / two_pi) - (theta < 0)  # int rounds to 0
+    # 2 pi as a number of this arithmetic and what that lacks.
     phase = (theta - turns * two_pi) - turns * names["TWO_PI_REST"]
     # After a stick one force is 0, up to the rounding errors of its end.
     allowed = ROUNDING * eps * (force_terms(belt, x, K) + abs(K.f0 * theta))

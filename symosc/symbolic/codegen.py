@@ -99,8 +99,8 @@ def kernels() -> list[Kernel]:
     """Return all kernels of the generated module, in the order in which it has them."""
     flow = solution.flow()
     forces = sp.symbols("y1 y0 forcing")
-    # Each row: name and arguments, what it computes, results, and `own` arguments, whose meaning is
-    # not in MEANING.
+    # Each row: name and arguments, what it computes, results, and the meaning of arguments that is
+    # not that of MEANING.
     own = dict(zip(("y1", "y0", "forcing"), forces, strict=True)) | {
         "v": solution.v,
         "dc": sp.Symbol("dc"),
@@ -156,7 +156,7 @@ def kernels() -> list[Kernel]:
 def _kernel(head: str, doc: str, steps: dict[str, Expr], own_arguments: dict[str, Expr]) -> Kernel:
     """Make a kernel from `head`, "NAME ARGUMENT ...", that returns all `steps`.
 
-    `own` has arguments not in MEANING.
+    `own_arguments` has the meaning of those that are not in MEANING, or mean something else here.
     """
     name, *arguments = head.split()
     return Kernel(

@@ -35,6 +35,8 @@ from symosc.words import Word, WordLike, read_word
 #: Languages that a mapping structure can be written in.
 LANGUAGES = ("python", "numpy", "c")
 EXPORT_WIDTH = 112
+#: By how much a line of C may be longer.
+TOLERATED = 8
 MATH = ("cos", "exp", "expm1", "sin", "sqrt")
 #: Names that a program may use without a definition of its own.
 LIBRARY = (*MATH, "abs", "complex", "float", "np", "range")
@@ -219,6 +221,7 @@ residual gives f1, f2 of each map, both 0 where it leads from (x_i, theta_i) to 
         the source.
         """
         p = load_scene(EXAMPLE).parameters
+        # Some numbers: positions that fall, and phases that grow.
         z = [
             coordinate
             for n in range(len(self.maps) + 1)
@@ -248,7 +251,8 @@ def _program(word: Word, arrays: bool) -> _Program:
             sources.append(source)
             maps.append(label)
     if word.maps[-1].sticks and word.exits()[-1] is None:
-        # the word's own functions take the exit below; the other one is there to be called
+        # The word's own functions take the exit below; the other one, which is the last, is there
+        # to be called.
         maps.pop()
     nodes = [node for source in sources for node in ast.parse(source).body]
     library = {node.name: _bare(node) for node in nodes if isinstance(node, ast.FunctionDef)}
@@ -812,7 +816,7 @@ def _wrapped(text: str) -> str:
     for line in text.splitlines():
         indent = line[: len(line) - len(line.lstrip())]
         # A little too long is let pass, and lines of comments stay as they are.
-        too_long = len(line) > EXPORT_WIDTH + 8 and not line.lstrip().startswith("*")
+        too_long = len(line) > EXPORT_WIDTH + TOLERATED and not line.lstrip().startswith("*")
         if too_long:
             lines += textwrap.wrap(
                 line, EXPORT_WIDTH, subsequent_indent=f"{indent}    ", break_long_words=False

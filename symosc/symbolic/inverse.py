@@ -90,7 +90,7 @@ class PhaseInterval(NamedTuple):
         """
         extremes = [self._extreme(sign) for sign in signs]
         if not all(attained for _, attained in extremes):
-            # Three phases inside, which are not all extreme.
+            # A phase inside whose sine is neither extreme: one of these three.
             inside = (self.low + (self.high - self.low) / divisor for divisor in (2, 3, 5))
             both_extremes = [self._extreme(sign) for sign in (-1, 1)]
             sines = [sp.sin(theta) for theta, _ in both_extremes]
@@ -721,6 +721,7 @@ def _containing(
             cases: Any = _tangency_grazes(theta, level)
         else:
             cases = [(not attained, sp.true)]
+        # The half line begins at the root; `closed` says whether it contains the root.
         for closed, end_condition in cases:
             half_line = _half_line(-start / slope, slope_sign, closed)
             yield Answer(slope_condition & end_condition, half_line)
@@ -761,6 +762,7 @@ def _solve_for_all_phases(
         # |B0| Omega <= level
         level = direction * k * v
         for level_sign, levelled in _signs(level):
+            # No value; else an interval about 0 of B0, or an interval from 0 of Omega.
             if level_sign < 0 or (level_sign == 0 and not at_zero):
                 yield Answer(levelled, sp.S.EmptySet)
             elif name == "B0":
@@ -784,7 +786,8 @@ def _solve_for_all_phases(
     factor = direction * (v if name == "k" else k)
     for factor_sign, factored in _signs(factor):
         for B0_sign, signed in _signs(B0):
-            if factor_sign == 0 or (name == "k" and factor_sign < 0):  # k >= 0
+            # The left side is never > 0 (k is >= 0): at most both sides are 0.
+            if factor_sign == 0 or (name == "k" and factor_sign < 0):
                 if factor_sign == 0:
                     reached = possible
                 else:
@@ -894,7 +897,7 @@ def _region_at(level: Expr, drive: Expr, extreme: Extreme, full: bool) -> Expr:
     theta, attained = extreme
     left = level
     right = -drive * sp.sin(theta)
-    if not attained:
+    if not attained:  # an open end
         return CLOSED_REGION(left, right)
     if full and sign_of(sp.cos(theta)) == 0 and not right.is_nonpositive:
         # The tangency of fourth order, where k v_lambda has the right sign.

@@ -96,7 +96,7 @@ def _term_key(term: Expr) -> tuple[float, bool, Any]:
 
 
 def terms(expr: Expr) -> list[Expr]:
-    """Return the terms of a sum in the order of printing, a positive one first."""
+    """Return the terms of a sum in the order of printing, a positive one first if there is one."""
     ordered = sorted(sp.Add.make_args(expr), key=_term_key)
     first = next((term for term in ordered if not term.could_extract_minus_sign()), ordered[0])
     return [first, *(term for term in ordered if term is not first)]
@@ -370,12 +370,12 @@ def _from_both_sides(first: Expr, second: Expr) -> bool:
 
 
 def _factor_key(factor: Expr) -> tuple[int, int, Any]:
-    """Return the key by which factors are sorted: numbers, parameters, other symbols, functions,
-    sums.
+    """Return the key by which factors are sorted: numbers, parameters, other symbols and powers of
+    sums, exponentials and sums, other functions.
     """
     base, _ = factor.as_base_exp()
     letters = {symbol.name for symbol in base.free_symbols}
-    # First the kind of factor, then its place among those of its kind.
+    # First the kind of factor (0 to 4, in the order above), then its place among those of its kind.
     if factor.is_Rational:
         rank = 0, 0
     elif isinstance(factor, sp.exp):
