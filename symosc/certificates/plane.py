@@ -76,6 +76,12 @@ INFLATION = 1.1
 #: The longest part of a flight between two cuts, as a part of half a period of the free motion.
 SHORTER = 0.95
 MOST_CUTS = 12
+#: Where L g >= 0: how many cuts there are to the longest part, and how much further than half their
+#: distance they reach.
+CUTS_OF_LONGEST = 4
+REACH = 1.05
+#: More turns on each side than are between two phases by rounding to multiples of pi: surely enough.
+SPARE_TURNS = 3
 #: The time of a cut is rounded to a multiple of 1/SHARES of the duration of its flight.
 SHARES = 1024
 #: The directions in a box in which series are computed.
@@ -124,6 +130,16 @@ class FlightChecks(NamedTuple):
 
     turns: list[list[int]]
     cuts: list[list[Cut] | None]
+
+
+class MarginInParts(NamedTuple):
+    """A margin: its text, its value, and its derivatives in `parts`, of which each has those by the
+    unknowns from an index on.
+    """
+
+    text: str
+    value: Ball
+    parts: tuple[tuple[int, Values], ...]
 
 
 class NotInBox(Exception):
@@ -389,17 +405,18 @@ class BoxEquations:
                 sign = -1  # x of a mirror image
             else:
                 sign = 1
-            # Rows of the residuals: v meets the belt, x and (without stick) the phase join on. First
-            # by the flight's own unknowns, which are next to each other.
+            # The rows of the residuals: v is that of the belt, x and (without stick) the phase join
+            # on. First by the flight's own unknowns, which are next to each other.
             v_row, x_row, phase_row = ([arb(0)] * self.count for _ in range(3))
             own = slice(leg.at, leg.tau + 1)
             v_row[own] = by["v"]
             x_row[own] = by["x"]
-            # Then by those of the next flight, where x has to be its x0.
+            # Then by those of the next flight, where x has to be its x0 or the image of this.
             for j, entry in enumerate(slopes[follows]["x0"], next_phase):
                 x_row[j] -= sign * entry
             rows += [v_row, x_row]
-            if leg.stick:  # which moves on at this speed until the next phase
+            # Last the time of the stick, which moves x on, or the phase that has to join on.
+            if leg.stick:
                 speed = o.speed[leg.piece.end]
                 for j, entry in (
                     (next_phase, speed / o.Omega),
@@ -433,9 +450,9 @@ class BoxEquations:
             return []
         if not bias < swing:
             raise NotInBox("whether the forces turn")
-        # A turn is at most pi/2 away from index pi: three more on each side are surely enough.
-        first = int(float(low) / float(arb.pi())) - 3
-        last = int(float(high) / float(arb.pi())) + 3
+        # A turn is at most pi/2 away from index pi.
+        first = int(float(low) / float(arb.pi())) - SPARE_TURNS
+        last = int(float(high) / float(arb.pi())) + SPARE_TURNS
         turns = [(index, self.turn(o, belt, index)) for index in range(first, last)]
         return [index for index, phase in turns if not phase < low and not phase > high]
 
@@ -494,7 +511,8 @@ class BoxEquations:
         if sections is None:
             return None
         tau = float(u[leg.tau])
-        # Reaches must overlap although shares are rounded below and sections end at balls of times.
+        # Reaches must overlap although shares are rounded below (by tau/SHARES) and sections end at
+        # balls of times.
         spare = 2 * max(float(section.end.rad()) for section in sections) + tau / 1000
         times_and_reaches = list[tuple[float, float]]()
         for i, section in enumerate(sections):
@@ -573,76 +591,110 @@ class BoxEquations:
         the derivatives are 0.
         """
         inequalities = list[PositiveQuantity]()
-
-        def add(text: str, value: Ball, *parts: tuple[int, Values]) -> None:
-            """Add an inequality; its `parts` are derivatives by the unknowns from an index on."""
-            row = [arb(0)] * self.count
-            for first, entries in parts if slopes else ():
-                for j, entry in enumerate(entries, first):
-                    row[j] += entry
-            inequalities.append(PositiveQuantity(text, value, row))
-
         for i, (leg, flight) in enumerate(zip(self.legs, flown, strict=True)):
-            belt = leg.piece.end
-            stick = leg.stick
-            piece = leg.piece
-            (phase, _) = self.next_start(o, i, u, flown)
-            next_phase = self.legs[(i + 1) % len(self.legs)].at  # its index in the unknowns
-            side = leg.side
-            tau = u[leg.tau]
-            jump = o.jump[belt]
-            # The flight meets the belt if its acceleration leads towards it. The mass crosses if
-            # that exceeds the jump of the force, else it sticks.
-            meets = -side * flight.a
-            slopes_of_meets = [-side * slope for slope in slopes[i]["a"]] if slopes else []
-            by_meets = (leg.at, slopes_of_meets)
-            add(f"{piece.label} lasts", tau, (leg.tau, [arb(1)]))
-            add(f"{piece.label} meets belt {belt}", meets, by_meets)
-            if stick:
-                # The sign with which the drift of the force that ends the stick is > 0.
-                sign = 1 if stick.side < 0 else -1
-                lasts = (phase - u[leg.at]) / o.Omega - tau
-                by_lasts = (
-                    (leg.at, [-1 / o.Omega]),
-                    (leg.tau, [arb(-1)]),
-                    (next_phase, [1 / o.Omega]),
-                )
-                drift = sign * self.drift(o, belt, phase)
-                drift_slope = sign * o.B0 * o.Omega * phase.cos()
-                add(f"{stick.label} lasts", lasts, *by_lasts)
-                slopes_of_begins = [-slope for slope in slopes_of_meets]
-                add(f"{stick.label} begins", jump - meets, (leg.at, slopes_of_begins))
-                add(f"{stick.label} ends", drift, (next_phase, [drift_slope]))
-                # The force that ends the stick is 0 at `phase`: so its value at a turn is its change
-                # from there, and that on the other side of the belt is the jump less it.
-                for turn in (self.turn(o, belt, index) for index in plan.turns[i]):
-                    rises = (
-                        o.B0 * (turn.cos() - phase.cos())
-                        + o.k * o.speed[belt] * (phase - turn) / o.Omega
-                    )
-                    force = sign * rises / o.m
-                    change = drift / (o.Omega * o.m)
-                    add(f"{stick.label} holds", force, (next_phase, [change]))
-                    add(f"{stick.label} holds", jump - force, (next_phase, [-change]))
-            else:
-                add(f"{piece.label} crosses belt {belt}", meets - jump, by_meets)
-            for share, reach in plan.cuts[i] or ():
-                cut = BoxFlight(o, leg, u, tau * share)
-                if slopes:
-                    rates = self.slopes(o, leg, u, share)
-                else:
-                    rates = {"v": [], "a": []}
-                # The gap of the free motion with the value and slope at the cut, at both ends of its
-                # reach; without reach the gap at the cut itself.
-                for later in (reach, -reach) if reach else (0.0,):
-                    E, _, phi = o.entire(arb(later))
-                    ahead = side * ((cut.v - o.speed[belt]) * phi + cut.a * E)
-                    changes = [
-                        side * (v * phi + a * E)
-                        for v, a in zip(rates["v"], rates["a"], strict=True)
-                    ]
-                    add(f"v meets belt {belt} during {piece.label}", ahead, (leg.at, changes))
+            phase, _ = self.next_start(o, i, u, flown)
+            # The flight meets the belt if its acceleration leads towards it.
+            meets = -leg.side * flight.a
+            by_meets = [-leg.side * slope for slope in slopes[i]["a"]] if slopes else []
+            of_leg = [
+                *self._margins_at_end(o, leg, u, meets, by_meets),
+                *self._margins_of_stick(o, i, u, phase, meets, by_meets, plan.turns[i]),
+                *self._margins_at_cuts(o, leg, u, plan.cuts[i] or (), bool(slopes)),
+            ]
+            for text, value, parts in of_leg:
+                row = [arb(0)] * self.count
+                for first, entries in parts if slopes else ():
+                    for j, entry in enumerate(entries, first):
+                        row[j] += entry
+                inequalities.append(PositiveQuantity(text, value, row))
         return inequalities
+
+    def _margins_at_end(
+        self, o: OscillatorInBalls, leg: Leg, u: Values, meets: Ball, by_meets: Values
+    ) -> Iterator[MarginInParts]:
+        """Yield that a flight lasts, that it meets the belt at its end and, unless a stick follows,
+        that it crosses the belt.
+
+        `meets` is its acceleration towards the belt there, `by_meets` its derivatives.
+        """
+        label = leg.piece.label
+        belt = leg.piece.end
+        parts = ((leg.at, by_meets),)
+        yield MarginInParts(f"{label} lasts", u[leg.tau], ((leg.tau, [arb(1)]),))
+        yield MarginInParts(f"{label} meets belt {belt}", meets, parts)
+        if not leg.stick:
+            # The mass crosses if the acceleration exceeds the jump of the force, else it sticks.
+            yield MarginInParts(f"{label} crosses belt {belt}", meets - o.jump[belt], parts)
+
+    def _margins_of_stick(
+        self,
+        o: OscillatorInBalls,
+        i: int,
+        u: Values,
+        phase: Ball,
+        meets: Ball,
+        by_meets: Values,
+        turns: Sequence[int],
+    ) -> Iterator[MarginInParts]:
+        """Yield that the stick after flight i, if there is one, lasts, begins, ends at `phase`, and
+        that both forces hold the mass at the `turns`.
+
+        `meets` is the flight's acceleration towards the belt, `by_meets` its derivatives.
+        """
+        leg = self.legs[i]
+        stick = leg.stick
+        if stick is None:
+            return
+        next_phase = self.legs[(i + 1) % len(self.legs)].at  # its index in the unknowns
+        belt = leg.piece.end
+        jump = o.jump[belt]
+        lasts = (phase - u[leg.at]) / o.Omega - u[leg.tau]
+        by_lasts = (
+            (leg.at, [-1 / o.Omega]),
+            (leg.tau, [arb(-1)]),
+            (next_phase, [1 / o.Omega]),
+        )
+        yield MarginInParts(f"{stick.label} lasts", lasts, by_lasts)
+        by_begins = [-slope for slope in by_meets]
+        yield MarginInParts(f"{stick.label} begins", jump - meets, ((leg.at, by_begins),))
+        # The sign with which the drift of the force that ends the stick is > 0.
+        sign = 1 if stick.side < 0 else -1
+        drift = sign * self.drift(o, belt, phase)
+        drift_slope = sign * o.B0 * o.Omega * phase.cos()
+        yield MarginInParts(f"{stick.label} ends", drift, ((next_phase, [drift_slope]),))
+        # The force that ends the stick is 0 at `phase`: so its value at a turn is its change from
+        # there, and that on the other side of the belt is the jump less it.
+        for turn in (self.turn(o, belt, index) for index in turns):
+            rises = (
+                o.B0 * (turn.cos() - phase.cos()) + o.k * o.speed[belt] * (phase - turn) / o.Omega
+            )
+            force = sign * rises / o.m
+            change = drift / (o.Omega * o.m)
+            yield MarginInParts(f"{stick.label} holds", force, ((next_phase, [change]),))
+            yield MarginInParts(f"{stick.label} holds", jump - force, ((next_phase, [-change]),))
+
+    def _margins_at_cuts(
+        self, o: OscillatorInBalls, leg: Leg, u: Values, cuts: Sequence[Cut], with_slopes: bool
+    ) -> Iterator[MarginInParts]:
+        """Yield that the gap of a flight is > 0 at its cuts: that of the free motion with the value
+        and slope at the cut, at both ends of its reach; without reach the gap at the cut itself.
+        """
+        belt = leg.piece.end
+        text = f"v meets belt {belt} during {leg.piece.label}"
+        for share, reach in cuts:
+            cut = BoxFlight(o, leg, u, u[leg.tau] * share)
+            if with_slopes:
+                rates = self.slopes(o, leg, u, share)
+            else:
+                rates = {"v": [], "a": []}
+            for later in (reach, -reach) if reach else (0.0,):
+                E, _, phi = o.entire(arb(later))
+                ahead = leg.side * ((cut.v - o.speed[belt]) * phi + cut.a * E)
+                changes = [
+                    leg.side * (v * phi + a * E)
+                    for v, a in zip(rates["v"], rates["a"], strict=True)
+                ]
+                yield MarginInParts(text, ahead, ((leg.at, changes),))
 
     def prove_flights(self, o: OscillatorInBalls, u: Values, plan: FlightChecks) -> None:
         """Prove that no flight meets a belt before its end, if all margins are > 0.
@@ -701,9 +753,9 @@ def _reaching(low: float, high: float, longest: float, spare: float) -> list[tup
     A reach may be nearly longest/2 (Polya), but y bounds g worse the longer it is followed: these
     are about an eighth of `longest`.
     """
-    count = ceil(4 * (high - low) / longest)
+    count = ceil(CUTS_OF_LONGEST * (high - low) / longest)
     half = (high - low) / count / 2
-    return [(low + (2 * j + 1) * half, 1.05 * half + spare) for j in range(count)]
+    return [(low + (2 * j + 1) * half, REACH * half + spare) for j in range(count)]
 
 
 def complexed(value: Ball) -> Ball:
@@ -763,6 +815,17 @@ class Orbits(NamedTuple):
     flown: list[BoxFlight]
 
 
+class BoxRoot(NamedTuple):
+    """A root u of the closing equations at the middle of a box, with the Jacobian J, Y near its
+    inverse, and the flights: those just before the last step of Newton's method.
+    """
+
+    u: arb_mat
+    J: arb_mat
+    Y: arb_mat
+    flown: list[BoxFlight]
+
+
 class LinearPart(NamedTuple):
     """The least value on the box of the linear part of a margin, and the side along which it
     changes most.
@@ -783,6 +846,29 @@ def _bounds_of_residuals(rounding: Values, cubes: Sequence[arb_mat]) -> Values:
     form = A, (plus - minus) / 2 - D, (plus + minus) / 2 - A, D
     parts = zip(rounding, *(cube.entries() for cube in form), strict=True)
     return [(total + sum(map(abs, values), arb(0))).upper() for total, *values in parts]
+
+
+def _check_margins(
+    margins: Sequence[PositiveQuantity],
+    linear: Sequence[LinearPart],
+    bends: Sequence[Values],
+    tube: Values,
+) -> None:
+    """Raise NotInBox unless all margins are > 0 on the box, by Taylor's theorem of order 2.
+
+    `linear` has the least of the linear part of each, `bends` its terms of order 2 along the four
+    DIRECTIONS, `tube` how far each unknown may be from the surface.
+    """
+    bends_a, bends_b, bends_both, _ = bends
+    for margin, part, bend_a, bend_b, bend_both in zip(
+        margins, linear, bends_a, bends_b, bends_both, strict=True
+    ):
+        mixed = abs(bend_both - bend_a - bend_b)
+        off_surface = sum(
+            (abs(slope) * r for slope, r in zip(margin.slopes, tube, strict=True)), arb(0)
+        )
+        if not part.least + bend_a.min(0) + bend_b.min(0) - mixed - off_surface > 0:
+            raise NotInBox(margin.text, part.along)
 
 
 class Surface:
@@ -810,27 +896,35 @@ class Surface:
         self.middle = [ball((low + high) / 2) for low, high in box]
         self.half = [ball((high - low) / 2) for low, high in box]
         self.range = [ball(low).union(ball(high)) for low, high in box]
-        self.u = column([arb(value) for value in near])
         self.slopes = list[arb_mat]()
+        # `prove` sets slopes and squares; the root at the middle is all that is known before.
         o = self.oscillator(self.middle)
+        root = self._root(o, column([arb(value) for value in near]))
+        self.u = root.u
+        self.J = root.J
+        self.Y = root.Y
+        plan = flights.plan(o, self.u.entries())
+        margins = flights.margins(o, self.u.entries(), root.flown, plan)
+        worst = min(margins, key=lambda margin: float(margin.value))
+        if worst.value < 0:
+            raise NotInBox(worst.text)
+
+    def _root(self, o: OscillatorInBalls, u: arb_mat) -> BoxRoot:
+        """Find the root of the closing equations of the oscillator `o` by Newton's method from `u`,
+        or raise NotInBox.
+        """
         for _ in range(MOST_NEWTON):
-            u = self.u.entries()
-            flown, r = flights.residuals(o, u)
-            _, rows = flights.jacobian(o, u)
-            self.J = arb_mat(rows)
-            self.Y = self.J.mid().inv().mid()
-            step = (self.Y * column(r)).mid()
-            self.u = (self.u - step).mid()
+            flown, r = self.flights.residuals(o, u.entries())
+            _, rows = self.flights.jacobian(o, u.entries())
+            J = arb_mat(rows)
+            Y = J.mid().inv().mid()
+            step = (Y * column(r)).mid()
+            u = (u - step).mid()
             size = max(abs(float(change)) for change in step.entries())
             if not size < MOST_CHANGE:  # or nan
                 break
             if size < CONVERGED:
-                plan = flights.plan(o, self.u.entries())
-                margins = flights.margins(o, self.u.entries(), flown, plan)
-                worst = min(margins, key=lambda margin: float(margin.value))
-                if worst.value < 0:
-                    raise NotInBox(worst.text)
-                return
+                return BoxRoot(u, J, Y, flown)
         raise NotInBox("a root of the closing equations")
 
     def oscillator(self, values: Sequence[Ball]) -> OscillatorInBalls:
@@ -924,16 +1018,7 @@ class Surface:
         ):
             raise NotInBox("which turns are in a stick", along)
         margins = flights.margins(wide, whole, flights.flown(wide, whole), plan, slopes)
-        bends_a, bends_b, bends_both, _ = bends
-        for margin, part, bend_a, bend_b, bend_both in zip(
-            margins, linear, bends_a, bends_b, bends_both, strict=True
-        ):
-            mixed = abs(bend_both - bend_a - bend_b)
-            off_surface = sum(
-                (abs(slope) * r for slope, r in zip(margin.slopes, tube, strict=True)), arb(0)
-            )
-            if not part.least + bend_a.min(0) + bend_b.min(0) - mixed - off_surface > 0:
-                raise NotInBox(margin.text, part.along)
+        _check_margins(margins, linear, bends, tube)
         flights.prove_flights(wide, whole, plan)
 
     def _fit_surface(self) -> tuple[Values, list[Orbits]]:

@@ -63,12 +63,22 @@ NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
 START = ("t0", "x0", "v0")
 MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
 LIMITS = {"bytes": 10**7, "events": 50_000, "steps": 2_000_000}
+# Orders of the derivatives of f that are known, and of a force on a belt that may be exactly 0 at a
+# start: `Mode.stays` takes three more orders than that by which v leaves the belt.
 ORDERS = 12
+MOST_ZEROS = ORDERS - 5
 TINY = fmpq(1, 10**100)
+# A step that is shorter fails because f < 0 soon, which is then looked at.
 TOO_NEAR = 2.0**-20
+# How often to look further away from an event for the signs of f there.
 WIDENINGS = 40
+# Of the precision, which is doubled from FIRST_BITS on where a sign is open.
+FIRST_BITS = 256
 MOST_BITS = 2048
 MOST_BITS_IF_EXACT = 4096
+# The most events stated of the end of a motion that settles, and the most forcing periods.
+MOST_LAST = 1000
+MOST_PERIODS = 10_000
 OPEN, FALSE, BAD = range(3)
 # The components of z.
 X, V, ONE, COS, SIN = range(5)
@@ -225,7 +235,7 @@ class StatedOscillator:
     """
 
     def __init__(self, p, limits):
-        least = min(p[each] for each in ("c", "k", "mu1", "mu2", "FN"))
+        least = min(p[name] for name in ("c", "k", "mu1", "mu2", "FN"))
         right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= least
         check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
         self.p = p
@@ -234,7 +244,7 @@ class StatedOscillator:
 
     def step(self, count=1):
         """Add `count` steps to the work done; raise Stop if that is more than the limit."""
-        self.limits["left"] -= max(1, count) * max(1, ctx.prec // 256)
+        self.limits["left"] -= max(1, count) * max(1, ctx.prec // FIRST_BITS)
         check(self.limits["left"] > 0, f"more than {self.limits['steps']} steps (--steps)")
 
 
@@ -420,6 +430,7 @@ class VerifiedMotion:
         bend = self.mode.M * (self.mode.M * back).exp() * rate
         # By Taylor's theorem: where F is small, so is its error.
         self.z0 = self.first + rate * back + bend * (back * back / 2)
+        # After a graze (f = f' = 0) v' is 0 at the belt's speed: the amplitude is its square.
         circles = p["c"] == p["B0"] == 0 < p["k"]
         if circles and max(self.leaves.values(), default=0) > 1:
             self.amplitude = p[f"v{belt}"] ** 2
@@ -477,9 +488,8 @@ class VerifiedMotion:
                 if self.mode.stays(z, b - a, orders, after):
                     break
                 h = ((b - a) / 2).mid()
-                if (
-                    h < TOO_NEAR
-                ):  # so short a step fails where f < 0 soon: then more bits are no help
+                # So short a step fails where f < 0 soon: then more bits are no help.
+                if h < TOO_NEAR:
                     beyond = self.mode.rows[0] * self.at((a + 4 * h).min(until).mid())
                     check(
                         not any(f < 0 for f in beyond.entries()),
@@ -568,7 +578,9 @@ class VerifiedMotion:
         there = VerifiedMotion(
             self.problem, mode.number, belt, starts.centre, starts.columns, rest=starts.rest
         ).first
-        # F on this side of the belt, and behind it, where friction is the other way round.
+        # F on this side of the belt, and behind it, where friction is the other way round. If both
+        # have one sign the mass crosses, from one of the domains beside the belt, whose numbers
+        # are `belt` and `belt + 1`, into the other.
         F = (mode.M * there)[V, 0]
         jump = arb(2 * p[f"mu{belt}"] * p["FN"] / p["m"])
         both = F * (F - jump if mode.number == belt else F + jump)
@@ -592,6 +604,7 @@ class VerifiedMotion:
             are_as_stated = first[0] > 0 and turn * last[0] > 0
             if not self.columns or are_as_stated:
                 break  # else the signs are rough, as the starts are a box: look further away
+            # Five times as wide.
             low, high = (3 * low - 2 * high).mid(), (3 * high - 2 * low).mid()
         require(first[0], "the sign of f before an event")
         require(turn * last[0], "the sign of f behind an event")
@@ -735,6 +748,7 @@ def begin(problem, start, errors, rest=None):
         if error
     ]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
+    # Off the belts the domain follows from v: it is 1, and more by each belt that is slower.
     if v0 not in (p["v1"], p["v2"]):
         mode = problem.mode(1 + (v0 > p["v1"]) + (v0 > p["v2"]))
         circles = not any(errors) and p["c"] == p["B0"] == 0 < p["k"]
@@ -752,6 +766,7 @@ def begin(problem, start, errors, rest=None):
         belt = 2
     exact_state = z if not any(errors) and (t0 == 0 or p["B0"] == 0) else None
     below, above = forces_at_start(problem, belt, centre, columns, exact_state)
+    # It sticks; or slips into the domain below, whose number is that of the belt; or into that above.
     if below.holds and above.holds:
         mode = 3 + belt
         leaves = {belt + i: force.order for i, force in enumerate((below, above)) if force.order}
@@ -784,7 +799,7 @@ def forces_at_start(problem, belt, centre, columns, exact_state):
     for i in (0, 1):
         order = 0
         value = (hold.rows[0] * stuck)[i, 0]
-        while exact_state is not None and value.contains(0) and order < ORDERS - 5:
+        while exact_state is not None and value.contains(0) and order < MOST_ZEROS:
             value = arb((hold.row * hold.exact**order * exact_state)[i, 0])
             order += value == 0
         require(abs(value), "F on the belt at the start")
@@ -825,7 +840,8 @@ def leave(problem, start, errors, until):
     state_then = motion(hold.number, *until_then).first
     F_then = hold.rows[0] * state_then
     slope = hold.rows[1] * state_then
-    # F of this side (0: below the belt, 1: above it) ends the stick.
+    # F of this side (0: below the belt, 1: above it) ends the stick. Both change alike, but for the
+    # sign with which they hold.
     if slope[0, 0] < 0:
         i = 0
     else:
@@ -1098,7 +1114,8 @@ def settled(data, source, limits):
     events = data["events"]
     cycle = data["cycle"]
     last = data["last"]
-    right = events and len(cycle) > 2 and 0 < len(last) <= 1000 and 0 < data["periods"] < 10_000
+    right = events and len(cycle) > 2 and 0 < len(last) <= MOST_LAST
+    right = right and 0 < data["periods"] < MOST_PERIODS
     check(right, "events, cycle, last or periods out of range", BAD)
     if until is None:
         motion = begin(problem, start, errors, [])
@@ -1364,7 +1381,7 @@ def judge(data, **limits):
     """Prove the contents of a file, read from JSON, again; return an exit code and the answer."""
     with LOCK:
         before = (ctx.prec, ctx.cap)
-        ctx.prec = 256
+        ctx.prec = FIRST_BITS
         try:
             return 0, "proven: " + "\n  ".join(prove(data, LIMITS | limits))
         except Stop as stop:

@@ -122,20 +122,43 @@ PIECES = (
     (1, 2, 2),
 )  # from, mode, to
 LABELS = {piece: number for number, piece in enumerate(PIECES, 1)}
+# Boxes within the one stated are smaller by about this factor; D is known well enough if its radii
+# are less than KNOWN.
 SMALL = fmpq(1, 10**15)
 KNOWN = 1e-16
 RANGE_END = "end of the range"
+# Of a branch: terms of the curve c, parts of an interval, steps of Newton's method to c.
 ORDER = 3
 MOST_PARTS = 256
 NEWTON_STEPS = 4
+# w = 0 is not excluded unless it is so many times its radius.
+NEARLY_0 = 32
+# The first step along a motion is this part of it.
+FIRST_PART = 8
+# Of an atlas: bits, parts of a box, steps of Newton's method to the middle and where it has arrived,
+# a change of an unknown from which it does not come back.
 BOX_BITS = 64
 MOST_BOX_PARTS = 1024
 BOX_NEWTON_STEPS = 12
 NEAR = 1e-14
 MOST_CHANGE = 10
+# Of Krawczyk's proof: tubes that are tried, and by how much the first one and each one is wider than
+# what it has to contain.
 MOST_TUBES = 4
+FIRST_INFLATION = 1.1
+INFLATION = 1.15
+# Of the cuts of a flight: how many there may be; how much of the longest part is used (all of it is
+# excluded); how many parts there are to it where q > 0; by what part of their distance they reach
+# (half is enough to meet); shares of the duration are multiples of 1/SHARES.
 MOST_CUTS = 16
+USABLE = 0.95
+PARTS_OF_LONGEST = 4
+REACH = 0.52
+SHARES = 512
 MOST_TURNS = 1000
+# The rim of a box in which a point of a border may be, as a part of the sides of the range.
+RIM = 1e-12
+# Directions in a box: both sides, and both diagonals.
 SIDES = ((1, 0), (0, 1), (1, 1), (1, -1))
 
 
@@ -220,7 +243,7 @@ def course(data):
     """Prove that an orbit's events follow each other and have its word; return them."""
     rows = data["events"]
     check(
-        0 < data["periods"] < 10_000 and len(rows) > 2,
+        0 < data["periods"] < base.MOST_PERIODS and len(rows) > 2,
         "a number of periods, and three events at least",
         BAD,
     )
@@ -343,13 +366,15 @@ def fixed_point(problem, data, turn):
     centre = [arb(sum(rows[0][name]) / 2) for name in "tx"]
     widths = [arb(width) for width in data["alone_within"]]
     stated_box = list(zip(centre, widths, strict=True))
-    for scale in (fmpq(1), SMALL, SMALL**2):  # the box stated, and one or two in it
+    # The box stated, and one or two in it; `centre` and `widths` are those of the box at hand.
+    for scale in (fmpq(1), SMALL, SMALL**2):
         # The events of all starts in the box, not only of the orbit, are within `reach` of it.
         wide = []
         for row in rows:
             reach = row["reach"] * scale
             low, high = row["t"]
             wide.append(row | {"t": (low - reach, high + reach)})
+        # Motions from a box within the one stated have its events and no others.
         motion_kind = base.VerifiedMotion if scale == 1 else Within
         motions, u, D = base.period(problem, wide, centre, widths, turn, motion_kind)
         for shift, width, c, (middle, most) in zip(u, widths, centre, stated_box, strict=True):
@@ -503,7 +528,7 @@ class BallOscillator:
         """Return what the motion without drive does: `Frequency`."""
         is_overdamped = coefficient(self.square) > 0
         w = (self.square if is_overdamped else -self.square).sqrt()
-        is_surely_not_0 = coefficient(w) > 32 * coefficient(w).rad()
+        is_surely_not_0 = coefficient(w) > NEARLY_0 * coefficient(w).rad()
         return Frequency(is_overdamped, w, not is_surely_not_0)
 
     def free(self, s):
@@ -586,7 +611,7 @@ def positive(margin, until, problem):
     theorem.
     """
     a = arb(0)
-    step = until / 8
+    step = until / FIRST_PART
     order = margin.order
     while True:
         problem.step()
@@ -609,7 +634,7 @@ def positive(margin, until, problem):
             sure = sure or (order and bend > 0)  # f' >= 0 at the start, by the forces there
         if sure and is_last:
             return
-        if sure:
+        if sure:  # a longer step next
             a = b
             order = 0  # f > 0 where the next step starts
             step = step * 3 / 2
@@ -631,11 +656,8 @@ def in_parts(prove, whole, most, what):
         count = count + 1
         try:
             result = prove(part)
-        except (
-            Stop,
-            ZeroDivisionError,
-            ValueError,
-        ) as stop:  # the latter two: a ball or a series may be 0
+        except (Stop, ZeroDivisionError, ValueError) as stop:
+            # The latter two: a ball or a series may be 0.
             check(not isinstance(stop, Stop) or stop.args[0] == OPEN, str(stop.args[-1]))
             check(count < most, what)
             # Halve the side that is the largest share of the whole one.
@@ -664,8 +686,7 @@ class CheckedPiece:
         self.t = t
         self.x = x
         self.v = e.belts[belt]
-        # By the domain or belt where the mode ends: the sign of F or of v less the belt's speed.
-        self.ends = {belt: 1, belt + 1: -1}
+        # `force` uses x and v, which are those of the start until here.
         if mode < 4:
             self.a, _, _ = self.force(mode, 0, t)
         else:
@@ -673,7 +694,10 @@ class CheckedPiece:
         # A start that is later by `late` is one at t with another x and v.
         self.x = x - self.v * late
         self.v = self.v - self.a * late
-        if mode < 4:
+        # By the domain or belt where the mode ends: the sign of F or of v less the belt's speed.
+        if mode > 3:
+            self.ends = {belt: 1, belt + 1: -1}
+        else:
             self.ends = {i: 1 if mode > i else -1 for i in (1, 2) if mode - i in (0, 1)}
             # y = x less the steady motion, and its derivatives at the start
             (a, b) = e.steady
@@ -809,13 +833,16 @@ class ClosingEvents:
                 is_end = end == after.target
                 margins.append(Inequality(text, "birth of a slip", f, zero=is_end, during=True))
                 continue
-            # On the belt where the flight starts f = 0 and, after a stick, f' = 0 too.
+            # On the belt where the flight starts f = 0 and, after a stick, f' = 0 too: `order` is
+            # that of the first derivative that is not 0.
             if end != event.belt:
                 order = 0
             elif event.source > 3:
                 order = 2
             else:
                 order = 1
+            # How it may fail: later on; at once, as the slip leaves to the wrong side; or as a
+            # consequence of another failure.
             first = f(arb(0))[order]
             if first > 0:
                 kind = "grazing"
@@ -842,7 +869,7 @@ class ClosingEvents:
         margins = []
         for domain, sign in zip((event.belt, event.belt + 1), signs, strict=True):
             F, _, _ = piece.force(domain, 0, piece.t)
-            forces = sign * F, arb(0), arb(0)
+            forces = sign * F, arb(0), arb(0)  # f, f', f'': it is at one time
             text = f"F^({domain}) {'<>'[sign > 0]} 0 where {previous} ends"
             is_behind = domain != event.source and coefficient(self.e.jump[event.belt]) > 0
             if not is_behind:
@@ -1232,7 +1259,7 @@ def marks(parts, longest):
 
     `longest` is the `longest_part` of the oscillator.
     """
-    usable = 0.95 * float(longest)
+    usable = USABLE * float(longest)
     tau = float(parts[-1].end)
     cuts = []
     # Reaches must overlap although shares are rounded below and parts end at balls of times.
@@ -1245,7 +1272,7 @@ def marks(parts, longest):
             a = a + usable * (i == 0)
             b = b - usable * (i + 1 == len(parts))
             if a < b:
-                count = int(4 * (b - a) / usable) + 1
+                count = int(PARTS_OF_LONGEST * (b - a) / usable) + 1
             else:
                 count = 0
         else:
@@ -1253,11 +1280,11 @@ def marks(parts, longest):
         count = min(count, MOST_CUTS + 1)  # else there are too many
         if part.rises:  # in the middle of equal spans, each reaching over its own
             step = (b - a) / max(count, 1)
-            cuts += [(a + (j + 0.5) * step, 0.52 * step + spare) for j in range(count)]
+            cuts += [(a + (j + 0.5) * step, REACH * step + spare) for j in range(count)]
         else:  # between equal spans
             step = (b - a) / (count + 1)
             cuts += [(a + (j + 1) * step, 0.0) for j in range(count)]
-    return [(round(time / tau * 512) / 512, reach) for time, reach in cuts]
+    return [(round(time / tau * SHARES) / SHARES, reach) for time, reach in cuts]
 
 
 class WordChecks(NamedTuple):
@@ -1638,7 +1665,7 @@ class Box:
         box (Krawczyk).
         """
         indices = range(self.word.size)
-        tube = [arb(1.1) * bound for bound in p]
+        tube = [arb(FIRST_INFLATION) * bound for bound in p]
         # Slopes along unit vectors are taken `scales` long, as long as those of u(d): what cancels
         # in `mixed` is then of one size.
         sizes = zip(*(slope.entries() for slope in slopes), tube, strict=True)
@@ -1648,7 +1675,7 @@ class Box:
         ]
         units = [column([scales[j] if i == j else arb(0) for i in indices]) for j in indices]
         for _ in range(MOST_TUBES):
-            tube = [(arb(1.15) * radius).mid() for radius in tube]
+            tube = [(arb(INFLATION) * radius).mid() for radius in tube]
             near = column([arb(0, radius) for radius in tube])
             # N[j][i] bounds entry (i, j) of 1 - Y J: first at the middle of the box ...
             derivatives = self.columns(self.plane(self.middle), self.u + near)
@@ -1719,9 +1746,9 @@ def check_disjoint(boxes):
 def clear(boxes, points, whole):
     """Raise Stop if a point of a border is inside a proven box.
 
-    A rim of 1e-12 of the sides of `whole` is left out.
+    A RIM is left out; `whole` is the range.
     """
-    away = [1e-12 * float(high - low) for low, high in whole]
+    away = [RIM * float(high - low) for low, high in whole]
     for box in boxes:
         (left, right), (low, high) = (
             (float(a) + by, float(b) - by) for (a, b), by in zip(box, away, strict=True)
