@@ -874,6 +874,15 @@ def table(rows):
         yield "; ".join(["{}: {} at belt {}, {} to {}".format(i, *what(row)), *ends])
 
 
+def table_of_derivatives(rows, names):
+    """Yield the ends of dt and dx of each event of a file by each of the `names`, as a line of text."""
+    for i, row in enumerate(rows, 1):
+        for name, of_t, of_x in zip(names, row["dt"], row["dx"], strict=True):
+            t_low, t_high = of_t
+            x_low, x_high = of_x
+            yield f"{i}: {t_low} < dt/d{name} < {t_high}; {x_low} < dx/d{name} < {x_high}"
+
+
 def read_start(data, source):
     """Read a motion's start and its errors.
 
@@ -1053,13 +1062,7 @@ def trajectory(data, source, limits):
     if "wrt" in data:
         differentiated(problem, data, motions)
         suffix = f", with derivatives by {', '.join(data['wrt'])}"
-        for i, row in enumerate(source["derivatives"], 1):
-            for name, of_t, of_x in zip(data["wrt"], row["dt"], row["dx"], strict=True):
-                t_low, t_high = of_t
-                x_low, x_high = of_x
-                lines.append(
-                    f"{i}: {t_low} < dt/d{name} < {t_high}; {x_low} < dx/d{name} < {x_high}"
-                )
+        lines = list(table_of_derivatives(source["derivatives"], data["wrt"]))
     first = f"{count} event{'s' * (count != 1)} until t = {source['t_end']}{suffix}"
     return [first, shown, *table(source["events"]), *lines]
 
@@ -1316,6 +1319,20 @@ def unique(pairs):
     return dict(pairs)
 
 
+def shape_of(kind, data):
+    """Return the shape that the content `data` of a file of this kind must have.
+
+    A trajectory has another one with "some" of the starts or with derivatives.
+    """
+    if kind != "trajectory":
+        return SHAPES[kind]
+    if data.get("starts") == "some":
+        return SHAPES["some"]
+    if "wrt" in data:
+        return SHAPES["derivatives"]
+    return SHAPES["trajectory"]
+
+
 def prove(data, limits):
     """Prove a certificate and return what is proven, as lines of text.
 
@@ -1346,18 +1363,9 @@ def prove(data, limits):
         for key, entry in data.items()
         if key not in ("format", "kind", "proven", "message", "made_by")
     }
-    # A trajectory has another shape with "some" of the starts or with derivatives.
-    if kind != "trajectory":
-        shape = SHAPES[kind]
-    elif data.get("starts") == "some":
-        shape = SHAPES["some"]
-    elif "wrt" in data:
-        shape = SHAPES["derivatives"]
-    else:
-        shape = SHAPES["trajectory"]
     counted = sum(len(entry) for entry in source.values() if type(entry) is list)
     check(counted <= limits["events"], f"more than {limits['events']} events and boxes (--events)")
-    content = read(source, shape, kind)
+    content = read(source, shape_of(kind, data), kind)
     limits["left"] = limits["steps"]
     lines = None
     is_exact = kind == "trajectory" and not any(content["start_error"])

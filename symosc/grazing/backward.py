@@ -89,6 +89,11 @@ FOURTH_ORDER = 1e-6
 SPARE_DIGITS = 20
 MOST_SEARCH_DIGITS = 200
 MORE_DIGITS = 3
+# How much more than needed a transient must be beyond its boundary, as a part of the velocities.
+SURELY = 1e-9
+# Where the steps of Newton's method are below this power of eps (times the number), those that no
+# longer shrink are rounding.
+ROUNDED_STEPS = 0.75
 
 
 # --- the first root of a polynomial that is known within a noise ---
@@ -209,7 +214,7 @@ def _newton(p: list[Number], slope: list[Number], low: Number, high: Number, eps
     # is replaced by a halving, whose length says nothing.
     sigma = 0.5 * (low + high)
     last_step = high - low
-    settled = eps**0.75  # from here on steps that no longer shrink are rounding
+    settled = eps**ROUNDED_STEPS
     for _ in range(20_000):  # at worst it halves its bracket: enough for thousands of digits
         value = _polynomial(p, sigma)
         rise = _polynomial(slope, sigma)
@@ -312,7 +317,7 @@ class BackwardSteps:
         self.functions = functions
         self.eps = eps
         self.H = step / K.rate
-        # The boundaries of the domain: its number, and the direction into the domain.
+        # The boundaries of each domain: number, and the direction into the domain (1 up, -1 down).
         numbers = {1: ((1, -1),), 2: ((1, 1), (2, -1)), 3: ((2, 1),)}[domain]
         self.boundaries = [Boundary(n, belt_at(n, K).v, inward) for n, inward in numbers]
         self.touched = next(line for line in self.boundaries if line.number == boundary)
@@ -381,7 +386,8 @@ class BackwardSteps:
             low = v + min(changes)
             high = v + max(changes)
         # Errors of v and of the energy at the end of the step: those at its start, which grow, and
-        # new ones. The remainder is bounded by the last coefficient and the next one (`behind`).
+        # new ones. (`energy_error` is that of its root, an acceleration, as in the module's
+        # docstring.) The remainder is bounded by the last coefficient and the next one (`behind`).
         remainder = self.growth * (abs(behind) + K.w0 * H * abs(T[-1]) / n + self.drive_remainder)
         drive = abs(K.fB) * (1 + abs(theta) + K.Om * tau)
         rounding = BACKWARD_ROUNDING * eps * (abs(a) * H + (K.w0sq * abs(v) + drive) * H * H)
@@ -622,7 +628,7 @@ class Flights:
             tau = tau + shift
             if abs(shift) <= self.context.eps * 4 * abs(tau):
                 return tau
-            is_small = abs(shift) < self.context.eps**0.75 * abs(tau)
+            is_small = abs(shift) < self.context.eps**ROUNDED_STEPS * abs(tau)
             if last_shift is not None and abs(shift) >= last_shift and is_small:  # rounding
                 return tau
             last_shift = abs(shift)
@@ -659,7 +665,7 @@ def rounded(state: BackwardState) -> BackwardState:
     tau, dx, v, a, v_error, x_error, energy_error, *_ = state
     tau, dx, v, a = map(float, (tau, dx, v, a))
     v_error, x_error, energy_error = map(float, (v_error, x_error, energy_error))
-    eps = 2.0**-53
+    eps = 2.0**-53  # half a unit of the last bit
     return BackwardState(
         tau, dx, v, a, v_error + eps * abs(v), x_error + eps * abs(dx), energy_error + eps * abs(a)
     )
@@ -726,11 +732,14 @@ class Origins:
             if repeats and is_touch and state.tau <= far:
                 tau = state.tau
                 repeats_left = repeats_left - 1
+                # With another length, then with yet another one and twice as many digits.
                 for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
                     flights = self.flights(times * digits)
                     arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
                     if arrival is None or arrival.kind == CONTACT:
                         break
+                # No contact: the search goes on behind the step, unless too many were undecided. Else
+                # a contact, a touch, or too long a search.
                 if arrival is None and repeats_left:
                     continue
                 arrival = arrival or state._replace(kind=LONG)
@@ -774,7 +783,7 @@ class Origins:
         boundary = self.steps.touched.v
         runs_away = sign * u_slope >= 0 and sign * (u_slope + K.l1 * u) >= 0
         # The steady motion never exceeds V0.
-        gap = K.V0 + state.v_error + 1e-9 * (abs(state.v) + K.V0)
+        gap = K.V0 + state.v_error + SURELY * (abs(state.v) + K.V0)
         return bool(runs_away and sign * (u - boundary) > gap)
 
     def refined_arrival(

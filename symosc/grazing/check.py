@@ -260,22 +260,7 @@ def check_grazing(
                 advance(done / n, done)
         parts.append(_decide_special(ways))
     d = Decisions(*map(np.concatenate, zip(*parts, strict=True)))
-    agreements = {}
-    undecided: dict[Any, Any] = {}
-    closest = {}
-    words = ("does not graze", "grazes")
-    verdicts = (d.by_sign, d.by_flow, d.by_solver)
-    for way, verdict in zip(WHY_UNDECIDED, verdicts, strict=True):
-        decided = verdict != NOT_DECIDED
-        right = decided & ((verdict == YES) == d.inside)
-        agreements[way] = int(right.sum())
-        if decided.all():
-            undecided[way] = {}
-        else:
-            undecided[way] = {WHY_UNDECIDED[way]: int((~decided).sum())}
-        closest[way] = float(d.margin[right & (d.margin > 0)].min(initial=inf))
-        for j in np.flatnonzero(decided & ~right):
-            disagree(d.phase[j], way, words[int(d.inside[j])], words[int(verdict[j] == YES)])
+    counts = _counted_by_way(d, disagree)
     distances = d.offset[(d.by_sign != NOT_DECIDED) & (d.by_flow != NOT_DECIDED)]
     return GrazingReport(
         mapping=mapping,
@@ -285,15 +270,43 @@ def check_grazing(
         n_random=n,
         n_adversarial=len(d.phase) - n,
         n_grazing=int(d.inside.sum()),
-        agreements=agreements,
-        undecided=undecided,
+        agreements=counts.agreements,
+        undecided=counts.undecided,
         mismatches=tuple(mismatches),
-        closest=closest,
+        closest=counts.closest,
         closest_phase=float(distances.min(initial=inf)),
         orders={order: int((d.order == order).sum()) for order in (1, 2, 3) if order in d.order},
         finely=int(d.finely.sum()),
         seconds=time.perf_counter() - begin,
     )
+
+
+class WayCounts(NamedTuple):
+    """How each way decides, as in `GrazingReport`: agreements, undecided phases by reason, and the
+    smallest |G^(1)| over its size that it decides.
+    """
+
+    agreements: dict[str, int]
+    undecided: dict[str, dict[str, int]]
+    closest: dict[str, float]
+
+
+def _counted_by_way(d: Decisions, disagree: Callable[..., None]) -> WayCounts:
+    """Count how each way decides; call `disagree` for each phase at which one contradicts the
+    window.
+    """
+    counts = WayCounts({}, {}, {})
+    words = ("does not graze", "grazes")
+    verdicts = (d.by_sign, d.by_flow, d.by_solver)
+    for (way, why), verdict in zip(WHY_UNDECIDED.items(), verdicts, strict=True):
+        decided = verdict != NOT_DECIDED
+        right = decided & ((verdict == YES) == d.inside)
+        counts.agreements[way] = int(right.sum())
+        counts.undecided[way] = {} if decided.all() else {why: int((~decided).sum())}
+        counts.closest[way] = float(d.margin[right & (d.margin > 0)].min(initial=inf))
+        for j in np.flatnonzero(decided & ~right):
+            disagree(d.phase[j], way, words[int(d.inside[j])], words[int(verdict[j] == YES)])
+    return counts
 
 
 def place_text(place: Place) -> str:
@@ -597,6 +610,7 @@ class Ways:
         n = len(theta)
 
         def rhs(sigma: float, state: np.ndarray) -> np.ndarray:
+            """Return the derivatives of y and u of all phases by sigma = time/tau."""
             y = state[:n]
             u = state[n:] * (self.size * tau * tau)
             half = 0.5 * K.Om * tau * sigma

@@ -70,6 +70,18 @@ SHORT_FLIGHT = 10
 # Newton's method has left its solution where theta_m changes by more than this in one step: more
 # than a turn.
 MOST_TURN = 7
+# Rounding of a value on the curve and of its extrema, as a part of it; how near to an extremum
+# halving leads.
+ROUNDED_VALUE = 1e-9
+ROUNDED_EXTREMUM = 1e-12
+AT_EXTREMUM = 1e-15
+# A solution between two samples may lie outside of them by rounding of theta_m; in time by rounding
+# and by a part of how much the times differ, as the flight time need not be monotone.
+ROUNDED_THETA = 1e-14
+ROUNDED_TIME = 1e-9
+BEYOND_TIMES = 0.1
+# A time over the largest rate by which a flight next to an end of the curve may be longer.
+SHORT_TIME = 1e-3
 # A curve rises by more than this from its outermost sample, by the slope there, only if it goes on
 # for ever.
 LEAST_ENDLESS_RISE = 1e-4
@@ -381,7 +393,7 @@ class Candidates:
         one.
         """
         gap = abs(end.theta_m - point.theta_m)
-        rounding = 1e-9 * max(1.0, abs(point.value))
+        rounding = ROUNDED_VALUE * max(1.0, abs(point.value))
         reachable = STEEPER_AT_END * abs(point.slope) * gap + rounding
         if gap > 0 and abs(float(target) - point.value) <= reachable:
             solution = self._newton(point.theta_m, point.tau, target)
@@ -413,7 +425,7 @@ class Candidates:
         if turning is None or crosses:
             return
         # The extremum itself may have the value, as far as doubles can tell.
-        if abs(turning.value - wanted) <= 1e-12 * max(1.0, abs(turning.value)):
+        if abs(turning.value - wanted) <= ROUNDED_EXTREMUM * max(1.0, abs(turning.value)):
             solution = self._newton(turning.theta_m, turning.tau, target)
             self._store_if_between(solution, first, last)
 
@@ -463,7 +475,7 @@ class Candidates:
             else:
                 first = middle
             change = abs(first.slope) * (last.theta_m - first.theta_m)
-            if change < 1e-15 * max(1.0, abs(first.value)):
+            if change < AT_EXTREMUM * max(1.0, abs(first.value)):
                 break
         return first
 
@@ -594,11 +606,10 @@ class Candidates:
         if solution is None:
             return False
         theta, tau = solution
-        theta_slack = 1e-14 * max(1.0, abs(float(theta))) + more  # the samples are doubles
+        theta_slack = ROUNDED_THETA * max(1.0, abs(float(theta))) + more
         low, high = sorted((first.tau, last.tau))
-        short_time = 1e-3 / self.K.rate
-        # The flight time need not be monotone between them: it may be a tenth of its change beyond.
-        tau_slack = 1e-9 * max(high, short_time) + 0.1 * (high - low)
+        short_time = SHORT_TIME / self.K.rate
+        tau_slack = ROUNDED_TIME * max(high, short_time) + BEYOND_TIMES * (high - low)
         if more:
             tau_slack += short_time
         is_phase_between = first.theta_m - theta_slack <= float(theta) <= last.theta_m + theta_slack
@@ -610,7 +621,8 @@ class Candidates:
         for angle, time in self._solutions:
             apart = abs(angle - theta)
             is_same_phase = min(apart, turn - apart) < SAME_ROOT
-            if is_same_phase and abs(time - tau) < 1e-9 * max(tau, 1e-9):  # stored already
+            # Stored already.
+            if is_same_phase and abs(time - tau) < ROUNDED_TIME * max(tau, 1e-9):
                 return True
         self._solutions.append((theta, tau))
         return True

@@ -203,12 +203,7 @@ def start_of(
     window = grazing_window(p, mapping)
     if not window.contains(angle):
         raise ParameterError("theta", str(angle), f"must be inside the grazing window: {window!r}")
-    # G^(1) = G^(2) = 0 in the full window only, at the quartic tangency of the equality: there
-    # G^(3) decides.
-    if grazing_window(p, mapping, "paper").contains(angle):
-        order = 1
-    else:
-        order = 3
+    order = _order_of(origins, angle)
 
     def far(flights: Flights) -> Number:
         """Return how far back to search, as a number of the flights' precision."""
@@ -240,16 +235,13 @@ def start_of(
     else:
         nowhere = not (is_contact or kind == backward.REACHED)
         matches = kind == backward.REACHED
-    reason = None
-    if not matches:
-        point = f"belt {boundary} at t = {float(t):.12g}"
-        verb = "touches" if kind == backward.TOUCH else "comes from"
-        if nowhere:
-            reason = _reason_nowhere(kind, float(t), belt, point, periods)
-        elif until is None:
-            reason = f"the flow {verb} {point}, x = {float(x):.12g}, not belt {belt}"
-        else:
-            reason = f"between t0 and t_m the flow {verb} {point}, x = {float(x):.12g}"
+    point = f"belt {boundary} at t = {float(t):.12g}"
+    if matches:
+        reason = None
+    elif nowhere:
+        reason = _reason_nowhere(kind, float(t), belt, point, periods)
+    else:
+        reason = _reason_elsewhere(kind, float(x), belt, point, until is not None)
     shown = mp_context(decimals)
 
     def out(value: Number) -> Number:
@@ -279,6 +271,28 @@ def start_of(
         start=start,
         undecided=nowhere and kind != backward.NEVER,
     )
+
+
+def _order_of(origins: Origins, angle: Angle) -> int:
+    """Return the order of the first G-function that is not 0 at a tangency at the phase `angle`."""
+    # G^(1) = G^(2) = 0 in the full window only, at the quartic tangency of the equality: there
+    # G^(3) decides.
+    if grazing_window(origins.p, origins.mapping, "paper").contains(angle):
+        return 1
+    return 3
+
+
+def _reason_elsewhere(kind: str, x: float, belt: int, point: str, between: bool) -> str:
+    """Return text that says to which start, at a `point` of a belt, the flow was followed instead of
+    one on `belt` or, if `between`, instead of the state at t0.
+    """
+    if kind == backward.TOUCH:
+        verb = "touches"
+    else:
+        verb = "comes from"
+    if between:
+        return f"between t0 and t_m the flow {verb} {point}, x = {x:.12g}"
+    return f"the flow {verb} {point}, x = {x:.12g}, not belt {belt}"
 
 
 def _reason_nowhere(kind: str, t: float, belt: int, point: str, periods: float) -> str:

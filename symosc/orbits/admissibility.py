@@ -19,7 +19,7 @@ cannot. The verdict asks three questions, in this order.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from math import inf, pi
 from typing import NamedTuple
@@ -28,6 +28,7 @@ import numpy as np
 
 from symosc.base.aliases import Number, Points
 from symosc.engine.arithmetic import column_functions
+from symosc.engine.events import Event
 from symosc.engine.state import Launch
 from symosc.friction import MODE_NAMES, NEIGHBOURS
 from symosc.kernels import linear
@@ -551,37 +552,56 @@ def engine_contradiction(
         max_events=len(pieces) + 1,
         digits=digits,
     ).events
-    fastest = max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
-    size = max(abs(float(x)) for x, _ in points) + float(K.period) * fastest
-    # Each event must be the one that begins the next piece, at its time and place. `late` and
-    # `when` are those of the event at which the loop breaks off.
-    for j in range(1, len(pieces) + 1):
-        i = (first + j) % len(pieces)
-        piece = pieces[i]
-        x, theta = exact_points[i]
-        due = (theta + (equations.turn if first + j >= len(pieces) else 0)) / K.Om
-        if j > len(events):
-            late = inf
-            when = float(due)
-            break
-        event = events[j - 1]
-        late = abs(event.t - due)
-        when = float(event.t)
-        is_same = (event.boundary, event.target) == (piece.start, MODE_NAMES[piece.mode])
-        if not is_same or event.kind == "graze" or late > allowed * K.period:
-            break
-        if abs(event.x - x) > allowed * max(size, 1e-300):
-            break
-    else:
+    difference = _first_difference(equations, exact_points, first, events, allowed)
+    if difference is None:
         return None
-    ending = pieces[i - 1]
+    ending = pieces[difference.piece]
     if ending.sticks:
         kind = SLIP_BIRTH
     else:
         kind = GRAZING
     text = f"{ending.label} ends where it first can"
-    value = -min(late, float(equations.turn / K.Om))
-    return Condition((i - 1) % len(pieces), text, value, when, kind, ENGINE, 2 * pi)
+    value = -min(difference.late, float(equations.turn / K.Om))
+    return Condition(difference.piece, text, value, difference.t, kind, ENGINE, 2 * pi)
+
+
+class EngineDifference(NamedTuple):
+    """Where a simulated motion is not that of a root: the piece at whose end it differs, how late
+    the event is there (inf: there is none), and its time.
+    """
+
+    piece: int
+    late: Number
+    t: float
+
+
+def _first_difference(
+    equations: ClosingEquations, points: Points, first: int, events: Sequence[Event], allowed: float
+) -> EngineDifference | None:
+    """Return the first difference of the `events` of a motion from the `points` of a root, from the
+    start of piece `first` on; None if all events of a period are the same, but for `allowed`.
+    """
+    pieces = equations.pieces
+    K = equations.K
+    fastest = max(abs(float(K.belt1.v)), abs(float(K.belt2.v)))
+    size = max(abs(float(x)) for x, _ in points) + float(K.period) * fastest
+    # Each event must be the one that begins the next piece, at its time and place.
+    for j in range(1, len(pieces) + 1):
+        i = (first + j) % len(pieces)
+        ending = (i - 1) % len(pieces)
+        piece = pieces[i]
+        x, theta = points[i]
+        due = (theta + (equations.turn if first + j >= len(pieces) else 0)) / K.Om
+        if j > len(events):
+            return EngineDifference(ending, inf, float(due))
+        event = events[j - 1]
+        late = abs(event.t - due)
+        is_same = (event.boundary, event.target) == (piece.start, MODE_NAMES[piece.mode])
+        is_off_time = late > allowed * K.period
+        is_off_place = abs(event.x - x) > allowed * max(size, 1e-300)
+        if not is_same or event.kind == "graze" or is_off_time or is_off_place:
+            return EngineDifference(ending, late, float(event.t))
+    return None
 
 
 def _surest_start(equations: ClosingEquations, points: Points) -> int:

@@ -69,6 +69,7 @@ TIMED = (AT_HOLD, AT_TOUCH)  # zeros at a phase that is an unknown
 MOST_NEWTON = 12
 MOST_POLISHING = 30
 DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
+FINE_DIFFERENCE_EXPONENT = -20  # the same with FINE_DIGITS, as a power of 10
 FINE_DIGITS = 50
 # Newton's method in doubles, in scaled unknowns: it has converged at steps of this size; from the
 # next one on steps that shrink by less than 4 are rounding. The Jacobian is computed anew where a
@@ -79,6 +80,8 @@ PERHAPS_ROUNDING = 1e-6
 FINE_CONVERGED = 1e-30
 # Entries of the inverse Jacobian as large as this show a point that is not isolated.
 LARGEST_INVERSE = 1e6
+# Points of the plane that differ by less, as a part of the ranges, are one.
+SAME_POINT = 1e-6
 # Phases that differ by less are those of one extremum.
 SAME_EXTREMUM = 1e-5
 NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
@@ -121,10 +124,10 @@ class BorderPlane(NamedTuple):
         return self.fixed.replace(**dict(zip(self.names, map(float, values), strict=True)))
 
     def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
-        """Return whether two points of the plane differ by less than 1e-6 of the range in each
-        parameter.
+        """Return whether two points of the plane differ by less than SAME_POINT of the range in
+        each parameter.
         """
-        return bool((np.abs(np.subtract(a, b)) < 1e-6 * self.widths).all())
+        return bool((np.abs(np.subtract(a, b)) < SAME_POINT * self.widths).all())
 
     @property
     def widths(self) -> np.ndarray:
@@ -321,7 +324,7 @@ class BorderSystem:
         """Return the border's unit tangent at the mpmath numbers u, in scaled unknowns, to nearly
         double precision.
         """
-        step = u[0].context.mpf(10) ** -20
+        step = u[0].context.mpf(10) ** FINE_DIFFERENCE_EXPONENT
         (equations, _, _) = self.at(u, FINE_DIGITS)
 
         def at_fixed_parameters(unknowns: Unknowns) -> list[Number]:

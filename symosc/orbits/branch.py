@@ -691,18 +691,7 @@ class Curve:
                 length /= 2
                 if length >= SHORTEST_STEP:
                     continue
-                nearest = min(current.conditions, key=lambda condition: condition.value)
-                if (belt := _begins_to_rest(self.equations(current.value).parameters)) is not None:
-                    message = (
-                        f"the flights vanish at mu{belt} FN = |B0|; beyond it the mass may rest on "
-                        f"belt {belt}"
-                    )
-                    return end(admissibility.FLIGHT_VANISHING, f"{message} for ever", nearest)
-                message = (
-                    f"the steps became too short; nearest to failing: {nearest.text} (by "
-                    f"{nearest.value:.3g})"
-                )
-                return end(NO_CONVERGENCE, message, nearest)
+                return end(*self._reason_of_short_steps(current))
             path += scanned.orbits
             reached = max(reached, abs(path[-1].value - self.value))
             if advance:
@@ -713,6 +702,24 @@ class Curve:
             if scanned.failed is not None:
                 return path, self._end_at(path, scanned.failed, direction)
             length = min(GROWTH * length, LONGEST_STEP)
+
+    def _reason_of_short_steps(self, last: BranchPoint) -> tuple[str, str, Condition]:
+        """Return why no step leads on from the last point: kind and message of the end, and the
+        condition that is nearest to failing.
+        """
+        nearest = min(last.conditions, key=lambda condition: condition.value)
+        belt = _begins_to_rest(self.equations(last.value).parameters)
+        if belt is not None:
+            message = (
+                f"the flights vanish at mu{belt} FN = |B0|; beyond it the mass may rest on "
+                f"belt {belt} for ever"
+            )
+            return admissibility.FLIGHT_VANISHING, message, nearest
+        message = (
+            f"the steps became too short; nearest to failing: {nearest.text} (by "
+            f"{nearest.value:.3g})"
+        )
+        return NO_CONVERGENCE, message, nearest
 
     def _beside_an_end(self, first: BranchPoint) -> BranchPoint | None:
         """Return an orbit just after the first one if that is at an end, where margins are rounding

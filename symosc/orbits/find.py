@@ -65,6 +65,9 @@ MOST_PERIODS = 200
 NEAR_ONE_TEXT = 1e-5
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
+# A motion is followed for at most so many forcing periods, and so many searches for each event.
+MOST_PERIODS_FOLLOWED = 1e6
+SEARCHES_PER_EVENT = 20
 # Events that are nearer to each other than this part of the time are one in doubles.
 ONE_EVENT = 2.0**-50
 # A piece of a guess may be shorter than nothing by so much of the orbit's periods: it is about to
@@ -379,15 +382,9 @@ def orbit_at(
     repeated = repetitions(equations, double)
     final = equations
     steps = solution.steps
-    word = str(equations.word)
     if digits is not None:
         final = equations.with_digits(digits + SPARE_DIGITS)
-        solution = polish(final, double)
-        if not solution.converged:
-            best = switching_points(equations, solution.points)
-            raise ConvergenceError(
-                word, best, equations.periods, float(solution.residual), solution.reason
-            )
+        solution = _refined(final, equations, double)
         steps += solution.steps
 
     def rounded(value: Number) -> Number:
@@ -402,7 +399,7 @@ def orbit_at(
     else:
         values = (rounded(first), rounded(second))
     gap = stability_margin(equations, double, values)
-    if not failed and equations.parameters.c > 0:
+    if not failed and equations.parameters.c > 0:  # by proof (`symosc.orbits.floquet`)
         stable = True
     elif gap is None:
         stable = None
@@ -414,7 +411,7 @@ def orbit_at(
         message = _message_of_orbit(equations.periods, stable, gap, near, repeated)
     return PeriodicOrbit(
         parameters=equations.parameters,
-        word=word,
+        word=str(equations.word),
         labels=equations.word.labels,
         points=tuple(
             SwitchingPoint(*map(rounded, point))
@@ -431,6 +428,19 @@ def orbit_at(
         message=message,
         steps=steps,
         digits=digits,
+    )
+
+
+def _refined(final: ClosingEquations, equations: ClosingEquations, double: np.ndarray) -> Solution:
+    """Refine a root of `equations` in doubles to the digits of the equations `final`, or raise
+    ConvergenceError.
+    """
+    solution = polish(final, double)
+    if solution.converged:
+        return solution
+    best = switching_points(equations, solution.points)
+    raise ConvergenceError(
+        str(equations.word), best, equations.periods, float(solution.residual), solution.reason
     )
 
 
@@ -654,10 +664,10 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     code = END
     loops = CHOICE.of_searches()
     constants = loops.constants(K)
-    t_end = 1e6 * K.period  # later than `most` events
+    t_end = MOST_PERIODS_FOLLOWED * K.period
     motion = loops.motion(t_end, 0.0, t_end)
     motion.put(state)
-    for _ in range(20 * most):  # searches that end without an event count too
+    for _ in range(SEARCHES_PER_EVENT * most):  # searches that end without an event count too
         CHOICE.searches.events -= 1
         code, belt_met, _, _, _ = loops.search(motion.table, constants)
         state = motion.state()

@@ -740,7 +740,6 @@ def _c(program: _Program, name: str) -> dict[str, str]:
     public = "\n".join(
         f"{c.head(node)};" for label, node in program.functions.items() if _is_map(label)
     )
-    z, p = program.example()
     steps = {ast.unparse(node.targets[0]): node.value for node in program.setup}
     kind = {**dict.fromkeys((*steps, *program.fields), "double"), **dict.fromkeys(FLAGS, "int")}
     fields = "\n".join(f"    {kind[field]} {field};" for field in program.fields)
@@ -750,9 +749,6 @@ def _c(program: _Program, name: str) -> dict[str, str]:
     used = set(program.fields).union(*map(_names, steps.values()))
     lines += [f"(void){unused};" for unused in PARAMETER_NAMES if unused not in used]
     filled = "\n".join([setup, "{", *_indented(lines), "}"])
-    prepared = (
-        f"    {name}_constants K;\n    {name}_setup(&K, {', '.join(map(repr, p.values()))});\n"
-    )
     header = f"""\
 /*
 {program.about(" * ", f"Try it: cc -D{example} {name}.c -lm && ./a.out")}
@@ -773,7 +769,34 @@ extern "C" {{
 #endif
 
 #endif /* {guard} */"""
-    main = f"""\
+    calls = list(enumerate(program.calls()))
+    rows = [f"    {name}_{label}({arguments}, f + {2 * n});" for n, (label, arguments, _) in calls]
+    blocks = [
+        f"    {name}_{label}{MATRIX}({arguments}, J[{n}]);" for n, (label, _, arguments) in calls
+    ]
+    parts = [
+        f'#include "{name}.h"\n\n#include <math.h>',
+        "\n".join(
+            f"static const double {key} = {float(value)!r};"
+            for key, value in program.numbers.items()
+        ),
+        *map(c.function, program.functions.values()),
+        filled,
+        "\n".join([residual, "{", *rows, "}"]),
+        "\n".join([jacobian, "{", *blocks, "}"]),
+        _c_main(program, name, example),
+    ]
+    return {f"{name}.h": _wrapped(header), f"{name}.c": _wrapped("\n\n".join(filter(None, parts)))}
+
+
+def _c_main(program: _Program, name: str, example: str) -> str:
+    """Return the C source of a `main` that evaluates an example, if the macro `example` is defined."""
+    z, p = program.example()
+    count = len(program.maps)
+    prepared = (
+        f"    {name}_constants K;\n    {name}_setup(&K, {', '.join(map(repr, p.values()))});\n"
+    )
+    return f"""\
 #ifdef {example}
 #include <stdio.h>
 
@@ -790,24 +813,6 @@ int main(void)
     return 0;
 }}
 #endif"""
-    calls = list(enumerate(program.calls()))
-    rows = [f"    {name}_{label}({arguments}, f + {2 * n});" for n, (label, arguments, _) in calls]
-    blocks = [
-        f"    {name}_{label}{MATRIX}({arguments}, J[{n}]);" for n, (label, _, arguments) in calls
-    ]
-    parts = [
-        f'#include "{name}.h"\n\n#include <math.h>',
-        "\n".join(
-            f"static const double {key} = {float(value)!r};"
-            for key, value in program.numbers.items()
-        ),
-        *map(c.function, program.functions.values()),
-        filled,
-        "\n".join([residual, "{", *rows, "}"]),
-        "\n".join([jacobian, "{", *blocks, "}"]),
-        main,
-    ]
-    return {f"{name}.h": _wrapped(header), f"{name}.c": _wrapped("\n\n".join(filter(None, parts)))}
 
 
 def _wrapped(text: str) -> str:

@@ -755,34 +755,50 @@ def _solve_for_all_phases(
 
     `at_zero`: also if both sides are 0.
     """
-    # Each letter may be a formula of unknown sign: `_signs` gives the signs that it may have, each
-    # with its condition.
-    k, v, B0, Omega = (values[letter] for letter in ("k", "v", "B0", "Omega"))
     if name in ("Omega", "B0"):
-        # |B0| Omega <= level
-        level = direction * k * v
-        for level_sign, levelled in _signs(level):
-            # No value; else an interval about 0 of B0, or an interval from 0 of Omega.
-            if level_sign < 0 or (level_sign == 0 and not at_zero):
-                yield Answer(levelled, sp.S.EmptySet)
-            elif name == "B0":
-                if level_sign:
-                    end = level / Omega
-                else:
-                    end = sp.S.Zero
-                yield Answer(levelled, sp.Interval(-end, end, not closed, not closed))
+        return _solve_for_drive(name, values, possible, direction, closed, at_zero)
+    return _solve_for_level(name, values, possible, direction, closed, at_zero)
+
+
+# In both, each letter may be a formula of unknown sign: `_signs` gives the signs that it may have,
+# each with its condition.
+
+
+def _solve_for_drive(
+    name: str, values: dict[str, Expr], possible: Expr, direction: int, closed: bool, at_zero: bool
+) -> Iterator[Answer]:
+    """Do what `_solve_for_all_phases` does for the parameters Omega and B0."""
+    # |B0| Omega <= level
+    k, v, B0, Omega = (values[letter] for letter in ("k", "v", "B0", "Omega"))
+    level = direction * k * v
+    for level_sign, levelled in _signs(level):
+        # No value; else an interval about 0 of B0, or an interval from 0 of Omega.
+        if level_sign < 0 or (level_sign == 0 and not at_zero):
+            yield Answer(levelled, sp.S.EmptySet)
+        elif name == "B0":
+            if level_sign:
+                end = level / Omega
             else:
-                for B0_sign, signed in _signs(B0):
-                    allowed = possible
-                    if B0_sign:  # Omega > 0, and so is the end if the level is
-                        end = level / (B0_sign * B0)
-                        if level_sign:
-                            allowed = sp.Interval(0, end, left_open=True, right_open=not closed)
-                        else:
-                            allowed = sp.S.EmptySet
-                    yield Answer(levelled & signed, allowed)
-        return
+                end = sp.S.Zero
+            yield Answer(levelled, sp.Interval(-end, end, not closed, not closed))
+        else:
+            for B0_sign, signed in _signs(B0):
+                allowed = possible
+                if B0_sign:  # Omega > 0, and so is the end if the level is
+                    end = level / (B0_sign * B0)
+                    if level_sign:
+                        allowed = sp.Interval(0, end, left_open=True, right_open=not closed)
+                    else:
+                        allowed = sp.S.EmptySet
+                yield Answer(levelled & signed, allowed)
+
+
+def _solve_for_level(
+    name: str, values: dict[str, Expr], possible: Expr, direction: int, closed: bool, at_zero: bool
+) -> Iterator[Answer]:
+    """Do what `_solve_for_all_phases` does for the parameters k and v."""
     # factor * parameter >= |B0| Omega
+    k, v, B0, Omega = (values[letter] for letter in ("k", "v", "B0", "Omega"))
     factor = direction * (v if name == "k" else k)
     for factor_sign, factored in _signs(factor):
         for B0_sign, signed in _signs(B0):
