@@ -89,6 +89,8 @@ FOURTH_ORDER = 1e-6
 SPARE_DIGITS = 20
 MOST_SEARCH_DIGITS = 200
 MORE_DIGITS = 3
+# A term of a Taylor polynomial that rounding hides, in units of eps.
+HIDDEN = 0.1
 # How much more than needed a transient must be beyond its boundary, as a part of the velocities.
 SURELY = 1e-9
 # Where the steps of Newton's method are below this power of eps (times the number), those that no
@@ -328,26 +330,32 @@ class BackwardSteps:
         w0sq = K.w0sq * self.H * self.H
         power = K.fB * self.H * self.H
         self.recurrence: list[tuple[Number, Number, Number]] = []
-        term = 1.0 / eps
-        while term > 0.1:  # in units of eps: up to the degree whose term rounding hides
+        term = 1.0 / eps  # in units of eps
+        while term > HIDDEN:  # up to the degree whose term rounding hides
             k = len(self.recurrence)
             term = term * step / (k + 1)
             power = power / (k + 2)
             self.recurrence.append((power, cm / (k + 2), w0sq / ((k + 1) * (k + 2))))
             power = power * K.Om * self.H
         self.drive_remainder = abs(power)
-        self._matrix = None
+        self._matrix: np.ndarray | None = None
+        if functions is math:  # only doubles have a matrix
+            self._matrix = self._step_matrix()
+
+    def _step_matrix(self) -> np.ndarray:
+        """Return the matrix from (v, a, sin, cos) to all of a step at once.
+
+        Its rows: Taylor coefficients, the bound of the remainder, Bernstein coefficients less v,
+        and the changes over the step.
+        """
+        # Its columns are the steps from unit vectors.
         columns = []
-        if functions is not math:  # only doubles have a matrix
-            return
-        # The matrix from (v, a, sin, cos) to all of a step at once: its columns are the steps from
-        # unit vectors.
         for unit in np.eye(4).tolist():
             *T, behind = self._taylor(*unit)
             dv, slope, area = _changes_over(T, 1.0)
             end = (dv, -slope / self.H, -self.H * area)
             columns.append([*T, behind, *bernstein([0.0, *T[1:]]), *end])
-        self._matrix = np.array(columns).T.copy()
+        return np.array(columns).T.copy()
 
     def begin(self, zero: Number) -> BackwardState:
         """Return the state at the tangency, where the steps begin.
@@ -376,8 +384,6 @@ class BackwardSteps:
             low = v - reach
             high = v + reach
         else:
-            # The rows of the matrix, as in `__init__`: Taylor coefficients, the bound of the
-            # remainder, Bernstein coefficients less v, and the changes over the step.
             rows = linear.product(self._matrix, np.array((v, a, s, c))).tolist()
             T = rows[:n]
             behind = rows[n]

@@ -72,10 +72,12 @@ DIFFERENCE = 1e-7  # for derivatives in doubles: Newton's method needs no more
 FINE_DIFFERENCE_EXPONENT = -20  # the same with FINE_DIGITS, as a power of 10
 FINE_DIGITS = 50
 # Newton's method in doubles, in scaled unknowns: it has converged at steps of this size; from the
-# next one on steps that shrink by less than 4 are rounding. The Jacobian is computed anew where a
-# step has shrunk by less than 16.
+# next one on steps that shrink by less than NO_PROGRESS are rounding. The Jacobian is computed anew
+# where a step has shrunk by less than SLOW_PROGRESS.
 CONVERGED = 1e-12
 PERHAPS_ROUNDING = 1e-6
+NO_PROGRESS = 4
+SLOW_PROGRESS = 16
 # With FINE_DIGITS it has converged at steps of this size.
 FINE_CONVERGED = 1e-30
 # Entries of the inverse Jacobian as large as this show a point that is not isolated.
@@ -86,6 +88,8 @@ SAME_POINT = 1e-6
 SAME_EXTREMUM = 1e-5
 NOTHING = 1e-7  # a margin below this part of its terms is 0 on a border
 POINTS_WEIGHT = 4.0  # by which switching points count less than the parameters in lengths
+# Positions are measured by the extent of the orbit, or by this part of how far out it is.
+LEAST_EXTENT = 0.1
 
 
 #: The unknowns of a border: x and theta of each switching, phases of zeros, and two parameters.
@@ -221,8 +225,7 @@ class BorderSystem:
         )
         self.symmetric_pieces = self.pieces
         x, _ = points.T
-        # A position counts by the extent of the orbit, or by a tenth of how far out it is.
-        size = max(np.ptp(x), 0.1 * np.abs(x).max())
+        size = max(np.ptp(x), LEAST_EXTENT * np.abs(x).max())
         weight = POINTS_WEIGHT * np.sqrt(2 * self.n)
         self.scale = np.array(
             [*[size * weight, weight] * self.n, *[weight] * len(self.timed), *plane.widths]
@@ -374,11 +377,11 @@ class BorderSystem:
                 if not size < 1:  # nan too
                     return None
                 z = z - step
-                is_rounding = size < PERHAPS_ROUNDING and size > before / 4
+                is_rounding = size < PERHAPS_ROUNDING and size > before / NO_PROGRESS
                 if size < CONVERGED or is_rounding:
                     # The next correction is smaller by the last ratio, or by the Jacobian's error.
                     return Corrected(z, inverse, size * (10.0 * size / before + DIFFERENCE))
-                if size > before / 16:
+                if size > before / SLOW_PROGRESS:
                     inverse = None
                 before = size
         return None

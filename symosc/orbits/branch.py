@@ -93,6 +93,8 @@ from symosc.words import WordLike, read_word
 RANGE = "end of the range"
 NO_CONVERGENCE = "no convergence"
 MOST = "max_points"
+# Positions are measured by the extent of the orbit, or by this part of the largest displacement.
+LEAST_EXTENT = 0.1
 # Lengths of steps, in the arclength of (x/size, phase, parameter/range).
 FIRST_STEP = 0.02
 LONGEST_STEP = 0.04
@@ -135,7 +137,8 @@ FALLEN_IF_UNDECIDED = 1e-3
 BEYOND_END = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)
 # How often more is gone back, each time four times as far, to an orbit that more digits confirm.
 MOST_BACK = 12
-# How often the parts of a piece are refined, at most.
+# Into how many each part of a piece is refined, and how often at most.
+FINER = 8
 DEEPEST = 30
 # Where mu FN differs from |B0| by less than this part flights are too short for steps.
 BEGINS_TO_REST = 1e-6
@@ -476,7 +479,7 @@ class Curve:
         # Switching points may lie close together on an orbit that moves far.
         positions, _ = self.start.T
         _, largest = largest_displacement(orbit.equations())
-        size = max(np.ptp(positions), 0.1 * largest)
+        size = max(np.ptp(positions), LEAST_EXTENT * largest)
         # The points together weigh as much as the parameter.
         self.scale = np.append(np.tile([size, 1.0], n) * np.sqrt(n), high - low)
         self._equations: dict[float, ClosingEquations] = {}
@@ -982,7 +985,7 @@ def _stay_positive(nodes: list[Node], i: int, u: np.ndarray, depth: int) -> bool
         for first, last in zip(edges[::2].tolist(), (edges[1::2] - 1).tolist(), strict=True):
             low = u[max(first - 1, 0)]
             high = u[min(last + 1, len(u) - 1)]
-            finer = np.linspace(low, high, 1 + 8 * (last - first + 2))
+            finer = np.linspace(low, high, 1 + FINER * (last - first + 2))
             is_resolved = finer[1] > finer[0]  # else doubles end here
             if not is_resolved or len(finer) > MOST_PARTS:
                 return False

@@ -33,8 +33,10 @@ CIRCLE = sp.Interval.Ropen(0, 2 * sp.pi)
 TOP = sp.pi / 2
 BOTTOM = sp.pi + sp.pi / 2
 
-# Digits for the sign of a number that is known not to be 0; only a number nearer to 0 than this
-# stays undecided.
+# Digits in which the sign of a number is looked for, one after another. Algebra decides after the
+# first whether it is 0; only a number nearer to 0 than the last shows stays undecided.
+FEW_SIGN_DIGITS = 30
+MORE_SIGN_DIGITS = 200
 MOST_SIGN_DIGITS = 2000
 
 
@@ -336,15 +338,14 @@ def sign_of(number: Expr) -> int:
     """
     if number.is_Rational:
         return int(sp.sign(number))
-    few_digits = 30
-    for digits in (few_digits, 200, MOST_SIGN_DIGITS):
+    for digits in (FEW_SIGN_DIGITS, MORE_SIGN_DIGITS, MOST_SIGN_DIGITS):
         value = number.evalf(15, maxn=digits)
         if value.is_Float and value._prec > 1:  # precision 1 is sympy's way to say "0 or nearly so"
             if value > 0:
                 return 1
             return -1
         # No digits show that a number is 0: algebra may, and is tried before more digits are.
-        if digits == few_digits:
+        if digits == FEW_SIGN_DIGITS:
             expanded = sp.expand_trig(number)
             x = sp.Dummy("x")
             if expanded.is_algebraic:
