@@ -432,14 +432,13 @@ def failures(equations: ClosingEquations, points: Points) -> list[Condition]:
     if failed:
         return failed
     # It is an orbit if the engine follows it with any of these numbers of digits.
+    contradictions = list[Condition]()
     for digits in ENGINE_DIGITS:
         contradiction = engine_contradiction(fine, root.points, digits)
         if contradiction is None:
             return []
-    in_doubles = engine_contradiction(equations, points)
-    if in_doubles is None:
-        return [contradiction]
-    return [in_doubles]
+        contradictions.append(contradiction)
+    return [engine_contradiction(equations, points) or contradictions[-1]]
 
 
 def _vanished(
