@@ -312,6 +312,13 @@ class Point(NamedTuple):
     tau: float
 
 
+class CurveRoot(NamedTuple):
+    """A solution on the grazing curve: phase theta_m, and flight time tau."""
+
+    theta: Number
+    tau: Number
+
+
 class Residual(NamedTuple):
     """By how much the unknown at the start of a flight misses its value, with the derivatives by
     theta_m and by the flight time tau.
@@ -337,7 +344,7 @@ class Candidates:
         self.target = self.flights.number(value)
         self.notes: list[str] = []
         self._broken: set[Point] = set()
-        self._solutions: list[tuple[Number, Number]] = []
+        self._solutions: list[CurveRoot] = []
         for piece in curve.pieces:
             self._on_piece(piece)
         for low, high, origin in curve.gaps:
@@ -538,7 +545,7 @@ class Candidates:
         Om = self.flights.K.Om
         return Residual(theta - Om * tau - target, 1, -Om)
 
-    def _newton(self, theta_m: float, tau: float, target: Number) -> tuple[Number, Number] | None:
+    def _newton(self, theta_m: float, tau: float, target: Number) -> CurveRoot | None:
         """Find (theta_m, tau) of the flight with x_i or theta_i = `target` by Newton's method from
         a guess; or None.
         """
@@ -564,7 +571,7 @@ class Candidates:
             tau = tau + tau_step
             if settled:  # one step after that has all digits
                 if tau > 0:
-                    return (theta, tau)
+                    return CurveRoot(theta, tau)
                 return None
             # More than a turn, or than about a period, leads to another solution.
             most_time = 1 / K.rate + 3 / K.Om
@@ -575,7 +582,7 @@ class Candidates:
             settled = abs(theta_step) <= shrunk * (1 + abs(theta)) and abs(tau_step) <= shrunk * tau
         return None
 
-    def _solve_among_grazes(self, theta_m: float, target: Number) -> tuple[Number, Number] | None:
+    def _solve_among_grazes(self, theta_m: float, target: Number) -> CurveRoot | None:
         """Find the solution among flights that start at a graze too, and so all take one time; None
         if not found.
         """
@@ -594,11 +601,11 @@ class Candidates:
                 return None
             theta -= residual / by_theta
             if abs(residual / by_theta) <= flights.context.eps * 100:  # rounding
-                return theta, tau
+                return CurveRoot(theta, tau)
         return None
 
     def _store_if_between(
-        self, solution: tuple[Number, Number] | None, first: Point, last: Point, more: float = 0.0
+        self, solution: CurveRoot | None, first: Point, last: Point, more: float = 0.0
     ) -> bool:
         """Store a solution if it lies between two points of the curve, give or take a phase `more`,
         and return whether it does.
@@ -624,7 +631,7 @@ class Candidates:
             # Stored already.
             if is_same_phase and abs(time - tau) < ROUNDED_TIME * max(tau, 1e-9):
                 return True
-        self._solutions.append((theta, tau))
+        self._solutions.append(CurveRoot(theta, tau))
         return True
 
     def _note_endless(self, end: CurveEnd, point: Point, index: int, piece: CurvePiece) -> None:
