@@ -17,6 +17,7 @@ from fault_scenes import Case
 from faulty_solver import CURVES, METHODS, Flaw, Solver, smoothed, without_events
 
 from symosc import Parameters, simulate
+from symosc.crosschecks.compare import STEP_TOLERANCE
 
 # A solution is wrong if it is further from the exact motion than this, relative to the largest |x|
 # and |v|.
@@ -49,6 +50,7 @@ class Spoilt:
     causes: Causes
     events: list[tuple[float, str]] | None = None
     always: bool = False  # it is a fault even where the samples are exact
+    twin: bool = False  # another fault makes the same samples
 
 
 #: Make a wrong solution of a scene at times of a sampling; None if it cannot be.
@@ -74,6 +76,14 @@ def other(
     motion = simulate(p, t0=float(t[0]) + ahead, x0=x0, v0=v0, t_end=float(t[-1]) + ahead + 1e-9)
     x, v = motion(np.minimum(t + ahead, float(motion.t_end)))
     return x, v
+
+
+def are_alike(columns: np.ndarray, others: np.ndarray) -> bool:
+    """Return whether two programs make the same samples within the tolerance of a check."""
+    if columns.shape != others.shape:
+        return False
+    off = np.max(np.abs(columns - others), axis=1)
+    return bool(np.all(off <= STEP_TOLERANCE * np.max(np.abs(columns), axis=1)))
 
 
 # -- other parameters --------------------------------------------------------------------------------------------------
@@ -134,7 +144,14 @@ def of_system(kind: str) -> Maker:
             names = tuple((cause, name) for name in values for cause in ("coefficient", "sign"))
         if there == p:
             return None
-        return Spoilt(t, *other(case, t, there), (*names, *more))
+        samples = other(case, t, there)
+        if kind == "belt speed":
+            # A belt that the motion does not reach any more, and one that a solver goes over.
+            ignoring = Solver(p, Flaw(ignored=int(next(iter(values))[1])))
+            run = np.array(ignoring.run(finer(t, 4), *case.start).arrays())[:, ::4]
+            if are_alike(run, np.array([t, *samples])):
+                return Spoilt(t, *samples, (*names, *more, ("late events", "")), twin=True)
+        return Spoilt(t, *samples, (*names, *more))
 
     return make
 
@@ -383,16 +400,24 @@ def of_solver(kind: str) -> Maker:
             kept = slice(None)
         else:
             kept = slice(None, None, n)
+        flawed = flaw(p, rng)
         run, plain = (
-            Solver(p, each, joints).run(finer(t, n), *case.start) for each in (flaw(p, rng), Flaw())
+            Solver(p, each, joints).run(finer(t, n), *case.start) for each in (flawed, Flaw())
         )
+        twins: Causes = ()
+        if kind == "stick left early":
+            late = Flaw(early=-flawed.early)
+            other_run = Solver(p, late, joints).run(finer(t, n), *case.start)
+            if are_alike(np.array(other_run.arrays()), np.array(run.arrays())):
+                twins = (("late events", "stick"),)
         # Where the flaw makes no difference, contacts between the points of the grid are missed,
         # and nothing else.
         if np.array_equal(plain.x, run.x):
             name = ("late events", "")
         else:
             name = (cause, subject)
-        return Spoilt(*(column[kept] for column in run.arrays()), (name, *SAME.get(kind, ())))
+        causes = (name, *SAME.get(kind, ()), *twins)
+        return Spoilt(*(column[kept] for column in run.arrays()), causes, twin=bool(twins))
 
     return make
 

@@ -48,19 +48,23 @@ def judge(
 def table(counts: Counter[tuple[str, str]]) -> str:
     """Return the counts of each kind as lines of text."""
     rows = [
-        f"{'kind of fault':25} {'faults':>7} {'found':>7} {'named':>7} {'first':>7} {'false':>7}"
+        f"{'kind of fault':25} {'faults':>7} {'found':>7} {'named':>7} {'first':>7} {'false':>7} {'twins':>7}"
     ]
     for kind in (kind for kind in (*KINDS, "named kinds", "others") if counts[kind, "faults"]):
         total = counts[kind, "faults"]
         parts = (
             counts[kind, what] / max(total, 1) for what in ("found", "named", "first", "false")
         )
-        rows.append(f"{kind:25} {total:7d} " + " ".join(f"{part:7.1%}" for part in parts))
+        shares = " ".join(f"{part:7.1%}" for part in parts)
+        rows.append(f"{kind:25} {total:7d} {shares} {counts[kind, 'twins']:7d}")
     return "\n".join(rows)
 
 
 def run(seed: int, chosen: Iterable[tuple[str, Case, str]]) -> Counter[tuple[str, str]]:
-    """Judge faults and count them."""
+    """Judge faults and count them.
+
+    "twins" are those whose samples another fault makes as well; both names are right for them.
+    """
     counts: Counter[tuple[str, str]] = Counter()
     for kind, case, sampling in chosen:
         judged = judge(kind, case, sampling, seed)
@@ -74,6 +78,7 @@ def run(seed: int, chosen: Iterable[tuple[str, Case, str]]) -> Counter[tuple[str
             counts[name, "named"] += named
             counts[name, "first"] += named and is_named(check, spoilt, first_only=True)
             counts[name, "false"] += bool(false)
+            counts[name, "twins"] += spoilt.twin
     return counts
 
 

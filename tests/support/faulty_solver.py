@@ -36,7 +36,7 @@ class Flaw:
     late : bool
         An event happens at the next point of the grid, with the state there.
     early : float
-        A stick is left this part of its own length too early.
+        A stick is left this part of its own length too early; if negative, too late.
     static : float
         A stick holds up to this many times the friction of the flight.
     drift : float
@@ -163,12 +163,17 @@ class Solver:
         v = self.belts[b - 1]
         (below, above) = NEIGHBOURS[b]
         step = self.K.period / 2000
+
+        def holds(s: float) -> float:
+            """Return by how much the belt holds the mass at a time, negative if it does not."""
+            x_then = x + v * (s - t)
+            return min(self.force(below, s, x_then, v), -self.force(above, s, x_then, v))
+
         for i in range(1, 20000):
             s = t + i * step
-            if (
-                self.force(below, s, x + v * (s - t), v) < 0.0
-                or self.force(above, s, x + v * (s - t), v) > 0.0
-            ):
+            if holds(s) < 0.0:
+                if holds(s - step) > 0.0:
+                    s = brentq(holds, s - step, s)
                 return t + (s - t) * (1.0 - self.flaw.early)
         return inf
 
@@ -190,7 +195,10 @@ class Solver:
         left = min(
             (brentq(f, t, end) if f(t) > 0.0 else t for f in exits if f(end) < 0.0), default=inf
         )
-        time = min(left, self.ends)
+        if self.flaw.early < 0.0:  # too late
+            time = self.ends
+        else:
+            time = min(left, self.ends)
         if time >= end:
             return end, place(end), speed + self.flaw.drift * (end - self.since)
         if self.flaw.late:
@@ -202,9 +210,8 @@ class Solver:
             self.mode = below
         else:
             self.mode = above
-        if (
-            self.ends < inf
-        ):  # too early: outwards, and the belt is looked at only from the other side
+        # Too early: outwards, and the belt is looked at only from the other side.
+        if self.ends < inf and self.flaw.early > 0.0:
             if self.mode == below:
                 self.bias = speed + 1e-12
             else:
