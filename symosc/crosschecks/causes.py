@@ -193,13 +193,14 @@ class FaultySteps:
 
     @cached_property
     def telling(self) -> np.ndarray:
-        """Wrong steps that show whether a cause is right: the largest ones, and some of the
-        others.
+        """Wrong steps that show whether a cause is right: the largest ones, the first one that
+        `explained_share` asks for, and some of the others.
         """
         known = self.moving_wrong[np.isfinite(self.sizes[self.moving_wrong])]
         largest = known[np.argsort(-self.sizes[known])[:LARGEST]]
-        others = self.thinned(np.setdiff1d(known, largest), MOST_TELLING - LARGEST)
-        return np.union1d(largest, others)
+        chosen = np.union1d(largest, known[_are_not_tiny(self.sizes[known])][:1])
+        others = self.thinned(np.setdiff1d(known, chosen), MOST_TELLING - LARGEST)
+        return np.union1d(chosen, others)
 
     def leaving(self, sizes: np.ndarray, steps: np.ndarray) -> np.ndarray:
         """Return the defects left in all steps, given those left in some, divided by the allowed.
@@ -349,21 +350,27 @@ def left_limits(before: np.ndarray) -> np.ndarray:
     return np.maximum(1.0, FITS * np.nan_to_num(before, nan=0.0, posinf=0.0))
 
 
+def _are_not_tiny(sizes: np.ndarray) -> np.ndarray:
+    """Return which defects are not tiny beside the largest one."""
+    return np.asarray(sizes > FITS_LARGEST * np.max(sizes, initial=0.0))
+
+
 def explained_share(before: np.ndarray, left: np.ndarray) -> float:
     """Return (wrong steps that a cause explains - right steps that it makes wrong) / (all wrong
     steps).
 
     `before` and `left` are the sizes of the defects without and with the cause, in units of the
-    allowed ones; steps in which `left` is NaN are not counted. The result is 0 if the first wrong
-    step or the one with the largest defect is not explained: then it is not the cause.
+    allowed ones; steps in which `left` is NaN are not counted. The result is 0 if the step with the
+    largest defect, or the first one with a defect that is not tiny beside that, is not explained:
+    then it is not the cause.
     """
     wrong = ~(before <= 1.0)
     limits = left_limits(before)
     known = np.flatnonzero(wrong & np.isfinite(before))
     if not len(known):
         return 0.0
-    first = known[0]
     largest = known[np.argmax(before[known])]
+    first = known[_are_not_tiny(before[known])][0]
     if not np.all(left[[first, largest]] <= limits[[first, largest]]):
         return 0.0
     tried = ~np.isnan(left)
@@ -429,8 +436,11 @@ def fitted(
         sizes = larger(misses(value))
         if np.all(np.isnan(sizes)):  # there is no such system
             return None
-        # Steps that miss by much more than the others are left out of the next round.
-        kept = sizes <= max(1.0, 5.0 * float(np.nanmedian(sizes)))
+        # Steps that miss by much more than the others are left out of the next round: than others
+        # that depend on the numbers.
+        depends = np.any(J != 0.0, axis=(1, 2)) & np.isfinite(sizes)
+        usual = float(np.median(sizes[depends])) if np.any(depends) else 0.0
+        kept = sizes <= max(1.0, 5.0 * usual)
         if np.all(np.abs(change) <= 1e-3 * error):
             break
     # The deviations are those of misses of 1, the allowed ones: larger misses make larger ones.

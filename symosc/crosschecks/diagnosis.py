@@ -46,8 +46,8 @@ STAGES: tuple[tuple[Cause, ...], ...] = (
     (columns.noise,),
     (models.coefficients,),
     (models.far_coefficients,),
-    (methods.late_events, friction.drift),
-    (friction.smoothed,),
+    # A width is one number for all steps, delays are one for each.
+    (friction.smoothed, methods.late_events, friction.drift),
     (methods.gone_over, methods.large_steps),
 )
 #: The causes for oscillators with other friction laws than the paper's.

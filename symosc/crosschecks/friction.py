@@ -24,11 +24,13 @@ CURVES: dict[str, Callable[[float], float]] = {
 }
 # Widths that are tried, in units of the distance of the belts; a wider curve is no smoothed sign.
 WIDTHS = np.geomspace(1e-6, 3.0, 14)
-# Steps to which a width is fitted, the digits of the fit, and the part by which the widths of these
-# steps may differ.
+# Steps to which a width, or a rate of drift, is fitted first, the digits of the fit, and the part by
+# which the widths of these steps may differ.
 FITTED_STEPS = 3
 WIDTH_DIGITS = 1e-9
 SAME_WIDTH = 0.01
+# Newton steps to the time at which friction gives way.
+SLIP_ROUNDS = 2
 # Right steps with a stick on which drift is tried beside the wrong ones.
 MOST_RIGHT = 60
 
@@ -42,13 +44,16 @@ def smoothed(case: FaultySteps) -> Iterator[Explanation]:
     largest = steps[np.argsort(-case.sizes[steps])[:FITTED_STEPS]]
     for name, curve in CURVES.items():
         fitted_widths = [_width(case, i, curve) for i in largest.tolist()]
-        widths = [width for width in fitted_widths if width is not None]
-        if not widths:
+        known = np.array([width is not None for width in fitted_widths])
+        if not known.any():
             continue
-        width = float(np.median(widths))
+        widths = np.array([width for width in fitted_widths if width is not None])
+        width = float(widths[0])
+        # A defect that is hardly larger than the allowed one shows the width less well.
+        apart = SAME_WIDTH + 0.5 / case.sizes[largest[known]]
+        if np.any(np.abs(widths - width) > apart * width):
+            continue
         spread = float(np.ptp(widths))
-        if spread > SAME_WIDTH * width:
-            continue
         sizes = larger(case.integrated(_smoothed_force(case, width, curve), steps))
         fits = int(np.sum(sizes <= case.limits()[steps]))
         error = max(spread, WIDTH_DIGITS * width)
@@ -147,21 +152,33 @@ def drift(case: FaultySteps) -> Iterator[Explanation]:
     steps, numbers = np.unique(sticks.step, return_inverse=True)
     wrong = case.wrong[steps]
 
-    def misses(rate: np.ndarray) -> np.ndarray:
-        """Return what each step misses with a drift of this rate, in the best of four cases."""
-        drift_rate = float(rate[0])
-        cases = [
-            _misses_with_drift(case, sticks, drift_rate, side, onto)
-            for side, onto in product((0, 1), (False, True))
-        ]
-        rows = np.concatenate(cases)
-        step_numbers = np.tile(numbers, len(cases))
-        order = np.lexsort((larger(rows), step_numbers))  # by step, the one that misses least first
-        _, first_of_step = np.unique(step_numbers[order], return_index=True)
-        return rows[order[first_of_step]]
+    def by_way(rate: float) -> np.ndarray:
+        ways = product((0, 1), (False, True))
+        return np.stack([_misses_with_drift(case, sticks, rate, *way) for way in ways])
 
-    _, scale_v = case.scales
-    fit = fitted(lambda rate: misses(rate)[wrong], np.zeros(1), np.array([1e-6 * scale_v]))
+    def misses(rate: np.ndarray) -> np.ndarray:
+        rows = by_way(float(rate[0]))
+        # Of the four ways of each step the one that misses least counts.
+        step_numbers = np.tile(numbers, len(rows))
+        rows = rows.reshape(-1, 2)
+        order = np.lexsort((larger(rows), step_numbers))
+        return rows[order[np.unique(step_numbers[order], return_index=True)[1]]]
+
+    # Without drift all ways are alike. The rates that the largest defects ask for, each in one way,
+    # show near which of them to fit.
+    tick = 1e-6 * float(case.scales[1])
+    slopes = (by_way(tick) - by_way(-tick)) / (2.0 * tick)
+    asked = -np.sum(slopes * by_way(0.0), axis=2) / np.sum(slopes * slopes, axis=2)
+    largest = steps[wrong][np.argsort(-case.sizes[steps[wrong]])[:FITTED_STEPS]]
+    rates = asked[:, np.isin(sticks.step, largest)].ravel()
+    starts = [
+        (float(np.median(larger(misses(np.array([rate])))[wrong])), rate)
+        for rate in rates[np.isfinite(rates)].tolist()
+    ]
+    if not starts:
+        return
+    start = np.array([min(starts)[1]])
+    fit = fitted(lambda rate: misses(rate)[wrong], start, np.array([tick]))
     if fit is None:
         return
     rate = float(fit.value[0])
@@ -230,13 +247,19 @@ def _misses_with_drift(
     ends = sticks.end < step_end
     A = np.take([K.A1, K.A2, K.A3], domain - 1)
     theta = s.theta[sticks.step] + K.Om * (sticks.begin - s.t[sticks.step])
-    x = sticks.x + sticks.v * time + 0.5 * rate * time**2
-    # Where the mass is elsewhere, the friction gives way at another time: one Newton step to it.
-    push = acceleration(x, speed, np.cos(theta + K.Om * time), A, K.cm, K.w0sq, K.f0)
-    slope = -K.w0sq * speed - K.f0 * K.Om * np.sin(theta + K.Om * time)
-    shift = np.where(ends & (slope != 0.0), -push / np.where(slope != 0.0, slope, 1.0), 0.0)
-    is_small = np.abs(shift) <= 0.1 * (step_end - s.t[sticks.step])
-    time = np.where(is_small, np.clip(time + shift, 0.0, time_left), time)
+    longest = 0.1 * (step_end - s.t[sticks.step])
+    # Where the mass is elsewhere, the friction gives way at another time, perhaps just before the end
+    # of a step in which it would have held.
+    for _ in range(SLIP_ROUNDS):
+        x = sticks.x + sticks.v * time + 0.5 * rate * time**2
+        push = acceleration(x, speed, np.cos(theta + K.Om * time), A, K.cm, K.w0sq, K.f0)
+        slope = -K.w0sq * speed - K.f0 * K.Om * np.sin(theta + K.Om * time)
+        gives_way = push > 0.0 if side else push < 0.0
+        is_slip = (ends | gives_way) & (slope != 0.0)
+        shift = np.where(is_slip, -push / np.where(slope != 0.0, slope, 1.0), 0.0)
+        moved = np.where(np.abs(shift) <= longest, np.clip(time + shift, 0.0, time_left), time)
+        ends = ends | (moved < time_left)
+        time = moved
     x = sticks.x + sticks.v * time + 0.5 * rate * time**2
     v = sticks.v + rate * time
     launch_v = speed if onto else v

@@ -15,6 +15,7 @@ import numpy as np
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
 from symosc.crosschecks.causes import (
+    FEW_TELLING,
     LEFT_OVER,
     Diagnosis,
     Explanation,
@@ -48,6 +49,9 @@ PHASES_TRIED = 48
 FEWEST_FAR = 8
 FEW_FAR = 24
 MOST_FREQUENCIES = 4000
+# Speeds of a belt from which a fit may begin: the right one, and by so much of the belts' distance
+# faster or slower.
+BELT_GRID = np.linspace(-0.25, 0.25, 41)
 # A phase this near to a quarter of a turn is taken as a quarter.
 QUARTER = 1e-4
 
@@ -233,6 +237,11 @@ def far_coefficients(case: FaultySteps) -> Iterator[Explanation]:
             yield from _coefficient(case, name, _fit_flights(case, name, best))
 
 
+def _mean(sizes: np.ndarray) -> float:
+    """Return the mean of the sizes of defects; inf if one is not known."""
+    return float(np.mean(np.nan_to_num(sizes, nan=inf)))
+
+
 def _median(sizes: np.ndarray) -> float:
     """Return the median of the sizes of defects without NaN.
 
@@ -376,9 +385,18 @@ def _fit_belt(case: FaultySteps, name: str) -> FittedNumber | None:
         speed = np.array([float(np.median(own_speeds))])
         error = np.array([float(allowed_v[0])])
         return FittedNumber(speed, error, larger(misses(start)))
-    if len(chosen):
-        return fitted(misses, start, _tick(p, name))
-    return None
+    if not len(chosen):
+        return None
+    # Steps that do not meet the belt with one speed may meet it with another: the fit begins at the
+    # best speed of a grid.
+    few = case.thinned(chosen, FEW_TELLING)
+    speeds = start + BELT_GRID[:, None] * float(p.v2 - p.v1)
+    left = [
+        (_mean(larger(case.some_defects_with(second, few))), value)
+        for value in speeds
+        if (second := _replaced(p, **{name: float(value[0])})) is not None
+    ]
+    return fitted(misses, min(left, key=lambda pair: pair[0])[1], _tick(p, name))
 
 
 def _frequencies(case: FaultySteps, flights: np.ndarray) -> np.ndarray:
