@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from symosc.crosschecks.causes import (
+    ENOUGH,
     FITS,
     Diagnosis,
     Explanation,
@@ -19,17 +20,19 @@ from symosc.crosschecks.causes import (
     larger,
 )
 from symosc.engine.state import ON_BELT
+from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration
 from symosc.simulation.tables import counted
 
 # Grid points for the time up to which an old mode goes on, and how often the grid is refined.
-DELAY_GRID = 9
-REFINEMENTS = 12
-# Events of a step that may be late, and ways to explain a step that are refined.
+DELAY_GRID = 17
+REFINEMENTS = 11
+# Events of a step that may be late.
 MOST_EVENTS = 4
-LIKELY = 4
 # A delay by more than this part of what is left of the step is the whole step: the event is missed.
 WHOLE = 0.999
+# Of the steps that delays explain at least this part must say more than how long the delay is.
+FEWEST_SHOWN = 0.25
 # Sticks that end under friction that differs by less than this part are left by one rule.
 ONE_FRICTION = 1e-3
 
@@ -67,14 +70,13 @@ def late_events(case: FaultySteps) -> Iterator[Explanation]:
     delays = _delays(case, steps)
     if not len(delays.step):
         return
-    # A rough search for the delay leaves a few rows for each step, a finer one the best of them.
-    likely = _fit_delays(case, delays, 1, LIKELY).rows
-    delays = Delays(*(column[likely] for column in delays))
-    fit = _fit_delays(case, delays, REFINEMENTS, 1)
+    fit = _fit_delays(case, delays)
     best = fit.rows[fit.misses[fit.rows] <= 1.0]
     left = case.leaving(case.sizes[steps], steps)
     left[delays.step[best]] = 0.0
-    if len(best):
+    # In a step that ends in a stick v is the belt's, and some delay always gives the right x.
+    shows = (delays.target[best] <= ON_BELT) | (fit.shares[best] >= WHOLE)
+    if len(best) and np.mean(shows) >= FEWEST_SHOWN:
         kept = Delays(*(column[best] for column in delays))
         share = fit.shares[best]
         delay = share * (s.t[kept.step + 1] - kept.begin)
@@ -82,7 +84,7 @@ def late_events(case: FaultySteps) -> Iterator[Explanation]:
 
 
 class FittedDelays(NamedTuple):
-    """The best rows of `Delays` for each step and, for all rows, the best delay as a share of what
+    """The best row of `Delays` for each step and, for all rows, the best delay as a share of what
     is left of the step, and what is missed with it: at most 1 if the step is explained.
     """
 
@@ -91,10 +93,8 @@ class FittedDelays(NamedTuple):
     misses: np.ndarray
 
 
-def _fit_delays(case: FaultySteps, delays: Delays, rounds: int, most: int) -> FittedDelays:
-    """Fit the delay of each row, in so many `rounds`, and choose the best rows of each step, at
-    most `most`.
-    """
+def _fit_delays(case: FaultySteps, delays: Delays) -> FittedDelays:
+    """Fit the delay of each row, and choose the best row of each step."""
     s = case.steps
     time_left = s.t[delays.step + 1] - delays.begin
     # Allowed in x and in v: what rounding does, or a small part of the step's own defect.
@@ -106,12 +106,12 @@ def _fit_delays(case: FaultySteps, delays: Delays, rounds: int, most: int) -> Fi
         return np.nan_to_num(larger(misses / allowed), nan=np.inf)
 
     zero = np.zeros(len(time_left))
-    shares, misses = best_between(misses_with, zero, zero + 1.0, DELAY_GRID, zero + 0.5, rounds)
+    shares, misses = best_between(
+        misses_with, zero, zero + 1.0, DELAY_GRID, zero + 0.5, REFINEMENTS
+    )
     order = np.lexsort((misses, delays.step))  # by step, the best row of each first
     _, first_of_step = np.unique(delays.step[order], return_index=True)
-    places = np.arange(len(order))
-    rank = places - first_of_step[np.searchsorted(first_of_step, places, "right") - 1]
-    return FittedDelays(order[rank < most], shares, misses)
+    return FittedDelays(order[first_of_step], shares, misses)
 
 
 def _delays(case: FaultySteps, steps: np.ndarray) -> Delays:
@@ -156,12 +156,11 @@ def _old_modes(case: FaultySteps, i: int) -> list[OldMode]:
     # The step may begin after an event that the samples do not know of yet.
     if domain == 0:
         belt = 1 + int(np.argmin(np.abs(s.v[i] - s.belts)))
-        if i == 0 or case.domain[i - 1] == 0:
-            mode = ON_BELT + belt
-        else:
-            mode = int(case.domain[i - 1])
-        if mode != s.first[i]:
-            old_modes.append(OldMode(mode, belt, s.t[i], state))
+        # A stick, which may have begun in the step before, or a flight that met the belt.
+        modes = [ON_BELT + belt]
+        if i > 0 and case.domain[i - 1] > 0:
+            modes.append(int(case.domain[i - 1]))
+        old_modes += [OldMode(mode, belt, s.t[i], state) for mode in modes if mode != s.first[i]]
     elif i > 0 and case.wrong[i - 1]:
         # The belt is the first on the way to the domain of the old mode.
         belts = {mode: domain - (mode < domain) for mode in (1, 2, 3) if mode != domain}
@@ -212,6 +211,11 @@ def _late_words(
             "sticks end too late: the samples go on with the belt where it does not hold any more "
             f"({first})"
         )
+        if _may_be_early(case, delays, delay):
+            words = (
+                f"sticks end at wrong times, too late or too early, by up to {float(np.max(delay)):.3g} "
+                f"({first}): these samples do not show which"
+            )
         ratio, spread = _friction_at_ends(case, delays, delay)
         evidence = f"{counted(count, 'step')} tried and explained by it"
         if count > 1 and spread <= ONE_FRICTION * ratio:
@@ -224,6 +228,8 @@ def _late_words(
     # The event shows if it begins in the step, and the old mode does not go on to the next sample.
     begins_in_step = delays.begin > case.steps.t[delays.step]
     goes_on = is_whole & (case.domain[delays.step + 1] == delays.source)
+    # With one mode before and after, the belt is not met at all.
+    goes_on |= delays.target == delays.source
     seen = begins_in_step & ~goes_on
     if 2 * np.sum(seen) <= count:
         words = f"events are missed: the motion goes on as if it had not met a belt ({first})"
@@ -236,6 +242,17 @@ def _late_words(
         f"on average {float(np.mean(late)):.3g}"
     )
     return Diagnosis("late events", "", words, evidence, float(np.mean(late)), float(np.std(late)))
+
+
+def _may_be_early(case: FaultySteps, delays: Delays, delay: np.ndarray) -> bool:
+    """Return whether sticks that end too early by `delay`, not too late, explain the steps as
+    well.
+
+    To second order both change the velocity alike; x differs by the third power of the delay.
+    """
+    misses = _delayed_misses(case, delays, np.maximum(delays.begin - delay, delays.t))
+    own = np.maximum(1.0, FITS * np.abs(case.steps.defects / case.allowed)[delays.step])
+    return bool(np.all(larger(misses / own) <= 1.0))
 
 
 def _friction_at_ends(case: FaultySteps, delays: Delays, delay: np.ndarray) -> tuple[float, float]:
@@ -272,6 +289,17 @@ OTHER_PART = 0.02
 # step squared times the acceleration.
 MARGINS = (0.06, 0.06)
 WIDE_MARGINS = (0.2, 1.0)
+# Crossings that show a method which goes over them, and the least response of v to an impulse that
+# says how large it was.
+FEWEST_PASSED = 3
+LEAST_RESPONSE = 0.05
+# A method's own steps are at most so many times the longest time for which a wrong force acts: the
+# weights of Runge-Kutta methods make it act for a sixth of the step, or less.
+OWN_STEP = 5.0
+# The defects of flights are this part of those at events, if the method's order shows in flights.
+FLIGHTS_LESS = 0.2
+# Times in a step at which the effect of a force is computed.
+SHARES = 65
 # In a stick v turns back in this part of the steps, or it is no chatter but a slow change.
 TURNED = 0.35
 
@@ -282,22 +310,68 @@ def gone_over(case: FaultySteps) -> Iterator[Explanation]:
     Where the mass should stick, v jumps to and fro.
     """
     steps = case.telling
-    mixtures = _mixtures(case, steps)
-    fits = mixtures.fits
+    fits, excess, sticks = _mixtures(case, steps)
+    crossings = fits & ~sticks
+    shown = _are_local(case, steps[crossings])
+    if np.sum(crossings) >= FEWEST_PASSED:
+        shown |= bool(np.median(np.abs(excess[crossings])) >= OTHER_PART)
+    # A method that goes over crossings goes over sticks too: no sample is on a belt.
+    in_sticks = shown and not np.any(case.domain[1:] == 0)
+    if in_sticks:
+        fits, excess, sticks = _mixtures(case, steps, any_stick=True)
     if not np.any(fits):
         return
     left = case.leaving(np.where(fits, 0.0, case.sizes[steps]), steps)
-    diagnosis = _gone_over_words(case, steps[fits], mixtures.excess[fits], mixtures.sticks[fits])
+    # The method's steps may be too large for flights too, which then show less of it.
+    at_events = case.sizes[np.setdiff1d(steps[fits], case.inside)]
+    if case.flights_wrong > 0.5 and len(at_events) >= FEWEST_PASSED:
+        is_less = np.median(case.sizes[case.inside]) <= FLIGHTS_LESS * np.median(at_events)
+        if is_less and _like_truncation(case, case.inside):
+            left[case.inside] = 0.0
+    diagnosis = _gone_over_words(case, steps[fits], excess[fits], sticks[fits], (shown, in_sticks))
     if diagnosis is not None:
         yield Explanation(diagnosis, left=left)
 
 
+def _are_local(case: FaultySteps, steps: np.ndarray) -> bool:
+    """Return whether the defects of steps that pass a belt come from about the time of passing.
+
+    There a method has, for a part of one of its own steps, the force of the wrong side.
+    """
+    s = case.steps
+    rows = np.searchsorted(s.events.step, steps)
+    is_single = np.searchsorted(s.events.step, steps, "right") == rows + 1
+    rows = rows[is_single]
+    steps = steps[is_single]
+    if len(steps) < FEWEST_PASSED:
+        return False
+    A = np.array([s.K.A1, s.K.A2, s.K.A3])
+    belt = s.events.boundary[rows]
+    gap = A[belt - 1] - A[belt]
+    # An impulse at the event, of the size of the force's jump, changes v by E0 and x by E1.
+    E0, E1, *_ = entire_array.basis(s.t[steps + 1] - s.events.t[rows], s.K)
+    dx, dv = s.defects[steps].T
+    # The jump acts too long or too short by a part of the method's step, which is a part of the step
+    # between samples.
+    h = np.diff(s.t)[steps]
+    lasts = np.abs(dv) / (gap * np.maximum(np.abs(E0), LEAST_RESPONSE))
+    own_part = OWN_STEP * float(np.max(lasts / h))
+    rest = np.abs(dx - dv * E1 / np.where(np.abs(E0) > LEAST_RESPONSE, E0, np.inf))
+    local = rest <= gap * (own_part * h) ** 2 + case.allowed[steps, 0]
+    return bool(np.mean(local) >= ENOUGH and own_part <= 1.0)
+
+
 def _gone_over_words(
-    case: FaultySteps, steps: np.ndarray, excess: np.ndarray, sticks: np.ndarray
+    case: FaultySteps,
+    steps: np.ndarray,
+    excess: np.ndarray,
+    sticks: np.ndarray,
+    shown: tuple[bool, bool],
 ) -> Diagnosis | None:
     """Return the diagnosis of steps that go over events; None if they show no pattern of it.
 
-    `excess` and `sticks` are those of `Mixtures`.
+    `excess` and `sticks` are those of `Mixtures`; `shown` says whether crossings show the pattern,
+    and whether no sample is on a belt either.
     """
     s = case.steps
     first = f"first at t = {float(s.t[steps[0]]):.10g}"
@@ -311,25 +385,26 @@ def _gone_over_words(
         turned = 0.0
         if len(pairs):
             turned = float(np.mean(changes[pairs] * changes[pairs + 1] < 0.0))
-        if turned < TURNED:
+        if turned >= TURNED:
+            largest = float(np.max(np.abs(gap[steps[sticks] + 1])))
+            words = (
+                "where the mass should stick, v jumps to and fro about the belt's speed, "
+                f"by up to {largest:.3g} ({first})"
+            )
+            evidence = (
+                f"friction makes such jumps in {counted(len(steps), 'step')} tried; "
+                f"v turns back in {turned:.0%} of the steps in sticks"
+            )
+            return Diagnosis("chatter", "", words, evidence, largest, None)
+        if not shown[1]:
             return None
-        largest = float(np.max(np.abs(gap[steps[sticks] + 1])))
-        words = (
-            "where the mass should stick, v jumps to and fro about the belt's speed, "
-            f"by up to {largest:.3g} ({first})"
-        )
-        evidence = (
-            f"friction makes such jumps in {counted(len(steps), 'step')} tried; "
-            f"v turns back in {turned:.0%} of the steps in sticks"
-        )
-        return Diagnosis("chatter", "", words, evidence, largest, None)
-    if np.median(np.abs(excess[~sticks])) < OTHER_PART:
+    if not shown[0]:
         return None
     words = f"events are not located: the method goes over them ({first})"
     off = float(np.median(np.abs(excess)))
     evidence = (
         f"in {counted(len(steps), 'step')} tried a force acts too long or too short, "
-        f"by {off:.0%} of the step"
+        f"by {100.0 * off:.2g}% of the step"
     )
     return Diagnosis("late events", "", words, evidence, off, None)
 
@@ -400,13 +475,33 @@ def _shares_below(
     _, exact_v = (s.states[steps + 1] + s.defects[steps]).T
     above_x, above_v = above.T
     # For which share of the step the force below acts, by v; and which share of its effect on x it
-    # has: share^2 if it acts last, 2 share - share^2 if it acts first, or something in between.
+    # has: it acts last, or first, or in between.
     share = (end_v - above_v) / gap_v
     exact_share = (exact_v - above_v) / gap_v
     share_of_x = (end_x - above_x) / gap_x
-    is_bounded = (share_of_x >= share**2 - in_x) & (share_of_x <= 2.0 * share - share**2 + in_x)
+    least, most = _parts_of_x(case, steps, share)
+    is_bounded = (share_of_x >= least - in_x) & (share_of_x <= most + in_x)
     is_bounded &= (share >= -in_v) & (share <= 1.0 + in_v)
     return is_bounded, share - exact_share
+
+
+def _parts_of_x(
+    case: FaultySteps, steps: np.ndarray, part: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the least and the largest part that a force can have in x if it has this `part` in v.
+
+    It has the least if it acts at the end of the step, and the largest if it acts at the beginning.
+    """
+    # The effects of a force that lasts for a time u are E1(u) on v and E2(u) on x.
+    tau = np.diff(case.steps.t)[steps]
+    shares = np.linspace(0.0, 1.0, SHARES)
+    _, E1, E2, *_ = entire_array.basis(np.outer(tau, shares), case.steps.K)
+    on_v = E1 / E1[:, -1:]
+    on_x = E2 / E2[:, -1:]
+    part = np.clip(part, 0.0, 1.0)
+    least = np.array([np.interp(*row) for row in zip(part, on_v, on_x, strict=True)])
+    most = 1.0 - np.array([np.interp(*row) for row in zip(1.0 - part, on_v, on_x, strict=True)])
+    return least, most
 
 
 # -- steps that are too large ----------------------------------------------------------------------
@@ -415,10 +510,12 @@ def _shares_below(
 # since flights are linear. Powers that are tried, as many at once where steps differ, and flights
 # for each fitted number.
 POWERS = range(2, 7)
-TOGETHER = 3
+TOGETHER = (3, 5)
 PER_NUMBER = 3
 MOST_FLIGHTS = 400
 FEWEST_IN_DOMAIN = 6
+# Part of the flights, the longest ones, that are in each fit.
+LONGEST = 0.03
 # Steps that differ by less than this part are equal. Fewest wrong flights that show an order.
 EQUAL = 1e-6
 FEWEST_WRONG = 20
@@ -428,8 +525,12 @@ LEFT_BY_FIT = 0.03
 # Up to this part of dx the errors of flights are like those of a wrong force.
 LIKE_FORCE = 0.3
 # An error of x by more than this part of h v is that of weights which do not add up to 1
-# (test_weights_beyond_one_are_no_large_steps: 0.12; consistent methods there 0.02).
+# (test_weights_beyond_one_are_no_large_steps: 0.12; consistent methods there 0.02). How many powers
+# of unequal steps are fitted to tell it from other errors: the least part counts.
 LIKE_WEIGHTS = 0.05
+WAY_POWERS = 4
+# A way that is h v to this part of the largest one is that of Euler's method.
+EXACT_WAY = 1e-9
 # The share of flights whose errors have to be as small as those of a method.
 NEARLY_ALL = 0.95
 
@@ -444,17 +545,19 @@ def large_steps(case: FaultySteps) -> Iterator[Explanation]:
     flights = inside[counts[case.domain[inside]] >= FEWEST_IN_DOMAIN]
     if len(np.intersect1d(flights, case.inside_wrong)) < FEWEST_WRONG:
         return
-    if case.flights_wrong < 0.5 or not _like_truncation(case, flights):
+    h = np.diff(s.t)[flights]
+    # Short steps may be right.
+    is_long = h >= float(np.median(h[case.wrong[flights]]))
+    if np.mean(case.wrong[flights][is_long]) < 0.5 or not _like_truncation(case, flights):
         return
     defects = s.defects[flights] / case.allowed[flights]
     sizes = larger(defects)
-    h = np.diff(s.t)[flights]
     equal = np.ptp(h) <= EQUAL * np.max(h)
-    choices = [tuple(range(power, power + TOGETHER)) for power in POWERS]
+    choices = [tuple(range(power, power + count)) for count in TOGETHER for power in POWERS]
+    if _lost_way(case, flights, equal) > LIKE_WEIGHTS:
+        return
     if equal:
         # Nothing then shows how errors fall with the step, and any linear method fits.
-        if _lost_way(case, flights) > LIKE_WEIGHTS:
-            return
         choices = [(0,)]
     best = np.full(len(flights), np.inf)
     order = 0
@@ -466,9 +569,11 @@ def large_steps(case: FaultySteps) -> Iterator[Explanation]:
     limit = np.maximum(1.0, LEFT_BY_FIT * np.maximum(sizes, 0.5 * np.max(sizes)))
     fits = best <= limit
     left = case.leaving(np.where(fits, 0.0, sizes), flights)
-    # Elsewhere the errors are as large, also if the method goes over events, or misses them.
+    # Elsewhere the errors are as large, in longer steps by the power larger, also if the method goes
+    # over events, or misses them.
     others = np.setdiff1d(case.telling, flights)
-    most = 2.0 * float(np.max(sizes))
+    longer = np.maximum(1.0, np.diff(s.t)[others] / np.max(h))
+    most = 2.0 * float(np.max(sizes)) * longer**order
     without_event = s.flight(np.maximum(case.domain[others], 1), others, others + 1)
     is_explained = case.sizes[others] <= most
     is_explained |= case.miss_sizes(without_event, others) <= most
@@ -505,15 +610,31 @@ def _like_truncation(case: FaultySteps, flights: np.ndarray) -> bool:
     return bool(not is_like_force and np.mean(are_small) > NEARLY_ALL)
 
 
-def _lost_way(case: FaultySteps, flights: np.ndarray) -> float:
-    """Return by which part of the step times v the solution moves too far or not far enough."""
+def _lost_way(case: FaultySteps, flights: np.ndarray, equal: bool) -> float:
+    """Return by which part of the step times v the solution moves too far or not far enough.
+
+    If steps are not `equal`, errors with higher powers of the step are told apart from that.
+    """
     s = case.steps
     h = np.diff(s.t)[flights]
-    basis = _linear_terms(case, flights) * h[:, None]
+    # Euler's methods move by h v, with v at the start or at the end of the step.
+    ways = np.diff(s.x)[flights]
+    for v in (s.v[flights], s.v[flights + 1]):
+        if np.median(np.abs(ways - h * v)) <= EXACT_WAY * np.max(np.abs(h * v)):
+            return 0.0
+    terms = _linear_terms(case, flights) * h[:, None]
+    longer = h[:, None] / np.max(h)
     defects_x, _ = s.defects[flights].T
-    coefficients, *_ = np.linalg.lstsq(basis, defects_x, rcond=1e-12)
-    _, of_v, *_ = coefficients  # in the order of `_linear_terms`
-    return abs(float(of_v)) / float(np.max(np.abs(s.v[flights])))
+    basis = np.empty((len(flights), 0))
+    parts = list[float]()
+    for power in range(1 if equal else WAY_POWERS):
+        basis = np.hstack([basis, terms * longer**power])
+        if parts and PER_NUMBER * basis.shape[1] > len(flights):
+            break
+        coefficients, *_ = np.linalg.lstsq(basis, defects_x, rcond=1e-12)
+        _, of_v, *_ = coefficients  # in the order of `_linear_terms`
+        parts.append(abs(float(of_v)) / float(np.max(np.abs(s.v[flights]))))
+    return min(parts)
 
 
 def _linear_terms(case: FaultySteps, flights: np.ndarray) -> np.ndarray:
@@ -530,6 +651,8 @@ def _left_by_powers(
 ) -> np.ndarray:
     """Return what a fit to every second flight leaves of the defects of the others, for all
     flights.
+
+    The longest flights, beyond which no other shows the law, are in each fit.
     """
     h = np.diff(case.steps.t)[flights]
     basis = _linear_terms(case, flights)
@@ -538,7 +661,9 @@ def _left_by_powers(
     if PER_NUMBER * matrix.shape[1] > len(flights):
         return left
     even = np.arange(len(flights)) % 2 == 0
-    for used in (even, ~even):
+    longest = h >= np.quantile(h, 1.0 - LONGEST)
+    for half in (even, ~even):
+        used = half | longest
         coefficients, *_ = np.linalg.lstsq(matrix[used], defects[used], rcond=1e-12)
-        left[~used] = larger(matrix[~used] @ coefficients - defects[~used])
+        left[~half] = larger(matrix[~half] @ coefficients - defects[~half])
     return left
