@@ -138,6 +138,9 @@ STICKING = 1
 NUMBERS = ROW.itemsize // 8
 # How often a root is evaluated before the scalar loop goes on: on the common path once, or twice.
 MOST_EVALUATIONS = 3
+# Steps of Newton's method to a root that the inverse series places roughly: mostly one, sometimes
+# two.
+NEWTON_STEPS = 2
 
 
 class LaneResult(NamedTuple):
@@ -192,9 +195,16 @@ def end_of_group(begin, sets, table):
         end += 1
     if end == count or end - begin >= FEW * LANES:
         return end, True
-    while end < count and suits_lanes(table[sets[end]]) and table[sets[end]].lasting == K.lasting:
+    while end < count and suits_lanes(table[sets[end]]) and shares_flags(table[sets[end]], K):
         end += 1
     return end, False
+
+
+def shares_flags(K, other):
+    """Return whether two parameter sets have the same flags, which a block has once for all lanes;
+    those that `suits_lanes` asks for are the same anyway.
+    """
+    return K.lasting == other.lasting and K.driven == other.driven
 
 
 # --- flights ---
@@ -609,13 +619,21 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
         third = Om2 * (belt.drift - slope)
         if exact:
             fast = is_beside(over, slope, bend, K)
-            step, missing = root_by_series(over, slope, bend, third, -Om2 * bend)
+            fourth = -Om2 * bend
+            step, missing = root_by_series(over, slope, bend, third, fourth)
+            pending = pending & (over != 0.0)
+            rough = pending & fast & ~(missing <= EPS * tau)
+            if any_of(rough):
+                found, root = newton_root_in_lanes(
+                    step, over, slope, bend, third, fourth, EPS * tau, rough
+                )
+                step = select(rough, root, step)
+                pending = pending & (~rough | found)
             within = (
                 (abs(step) * K.beat < NEAR)
                 & (low - slack <= tau + step)
                 & (tau + step <= high + slack)
             )
-            pending = pending & (over != 0.0) & ~(fast & ~(missing <= EPS * tau))
             ends = pending & fast & within
             shift = select(ends, step, shift)
             done = done | ends
@@ -640,6 +658,24 @@ def slip_side_by_side(good, force, side, low, high, Delta, s, c, held, belt, K):
         high = select(pending & beyond, tau, high)
     end = slips_at(tau, shift, side, -force, s, c, belt, K)
     return done, end.tau, end.slope, end.bend, end.s, end.c
+
+
+def newton_root_in_lanes(s, over, F, G1, G2, G3, resolution, wanted):
+    """Return (found, root) for each lane that is `wanted`: the root near `s` that `newton_root`
+    finds, if a few steps are enough.
+    """
+    found = wanted & ~wanted
+    for _ in range(NEWTON_STEPS):
+        slope = F + (G1 + (0.5 * G2 + SIXTH * G3 * s) * s) * s
+        change = (over + (F + (0.5 * G1 + SIXTH * (G2 + 0.25 * G3 * s) * s) * s) * s) / slope
+        s = select(found, s, s - change)
+        bend = G1 + (G2 + 0.5 * G3 * s) * s
+        third = G2 + G3 * s
+        ends = change * change * (abs(bend) + abs(third * change)) <= resolution * abs(slope)
+        found = found | (wanted & ends & (slope != 0.0))
+        if not any_of(wanted & ~found):
+            break
+    return found, s
 
 
 def parabola_step_in_lanes(over, slope, bend, third, side, width):

@@ -6,13 +6,14 @@ The bits of the scalar source, at any width and beside any neighbours.
 from __future__ import annotations
 
 import random
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 import pytest
 from regimes import random_sets
 
-from symosc import Parameters, load_scene, simulate_many
+from symosc import Belt, Oscillator, load_scene, simulate_many
 from symosc.engine import arithmetic
 from symosc.engine.batch import end_by_phase, is_inexact, keep_state, state_of
 from symosc.engine.flow import ConstantRows, TableLoops
@@ -27,7 +28,7 @@ from symosc.engine.lanes import (
 )
 from symosc.engine.next_event import advance, time_with_errors
 from symosc.engine.state import GRAZE, MOVED, ON_BELT
-from symosc.model import by_name
+from symosc.model import Model, by_name
 from symosc.simulation.problems import Problems
 
 pytest.importorskip("numba")
@@ -36,9 +37,9 @@ ACCURACY = 1e-6
 SCENES = [load_scene(name).parameters for name in ("fig5", "fig9", "fig10")]
 
 
-def starts_of(rng: random.Random, p: Parameters, count: int) -> np.ndarray:
+def starts_of(rng: random.Random, p: Model, count: int) -> np.ndarray:
     """Return random starts about the belts."""
-    widest = 2.0 * max(abs(float(p.v1)), abs(float(p.v2))) + 1.0
+    widest = 2.0 * max(abs(float(belt.v)) for belt in p.law.belts) + 1.0
     return np.array(
         [
             (rng.uniform(0, 7), rng.uniform(-5, 5), rng.uniform(-widest, widest))
@@ -117,6 +118,38 @@ def test_a_block_takes_the_steps_of_the_scalar_source() -> None:
         for p in random_sets(7, 40)
     ]
     assert sum(good > 0 for good in all_good) > 6
+
+
+@pytest.mark.slow
+@pytest.mark.compiled("doubles")
+def test_static_friction_stays_in_lanes() -> None:
+    functions = arithmetic.compiled()
+    rng = random.Random(4)
+    for p in SCENES:
+        for factor in (Fraction(11, 10), Fraction(3, 2)):
+            belts = [Belt(p.belt(n), mu, mu_s=factor * mu) for n, mu in ((1, p.mu1), (2, p.mu2))]
+            shared = {name: getattr(p, name) for name in ("m", "c", "k", "A0", "B0", "Omega", "FN")}
+            for law in (Oscillator(**shared, belts=belts), Oscillator(**shared, belts=belts[:1])):
+                starts = starts_of(rng, law, functions["LANES"])
+                good, tried = followed(law, starts, 40, functions)
+                assert good > 0.75 * tried, law
+
+
+@pytest.mark.slow
+@pytest.mark.compiled("doubles")
+def test_sets_with_and_without_a_drive_do_not_share_a_block() -> None:
+    """A stick without a drive is searched in another way."""
+    count = 40
+    columns = by_name(load_scene("fig5").parameters, float) | {"c": 0.1, "A0": -3.0}
+    columns["B0"] = np.where(np.arange(count) % 2, 10.0, 0.0)
+    columns["FN"] = np.linspace(1.0, 20.0, count)
+    starts = [(0, 1, float(columns["v1"]))] * count
+    together = simulate_many(columns, starts, 60, use_numba=True)
+    for parity in (0, 1):
+        half = {name: np.broadcast_to(column, count)[parity::2] for name, column in columns.items()}
+        apart = simulate_many(half, starts[parity::2], 60, use_numba=True)
+        for i in range(count // 2):
+            assert np.array_equal(together[2 * i + parity].t, apart[i].t)
 
 
 @pytest.mark.slow
