@@ -356,6 +356,13 @@ class Edge(NamedTuple):
         By how much static friction exceeds kinetic friction.
     belts : tuple of int
         The numbers of the belts with this speed.
+
+    Examples
+    --------
+    >>> from symosc import Belt, Oscillator
+    >>> (edge,) = Oscillator(m=1, c=0, k=1, FN=2, belts=[Belt(3, mu="1/2", mu_s="3/4")]).edges
+    >>> float(edge.v), float(edge.J), float(edge.E), edge.belts
+    (3.0, 2.0, 0.5, (1,))
     """
 
     v: Fraction
@@ -373,6 +380,13 @@ class Band(NamedTuple):
         Damping and constant force, friction included.
     below, above : Fraction or None
         The speeds of the edges that bound the band; None where there is none.
+
+    Examples
+    --------
+    >>> from symosc import Belt, Oscillator
+    >>> bands = Oscillator(m=1, c=0, k=1, belts=[Belt(3, mu="1/2")]).bands
+    >>> [(str(band.A), band.below, band.above) for band in bands]
+    [('1/2', None, Fraction(3, 1)), ('-1/2', Fraction(3, 1), None)]
     """
 
     c: Fraction
