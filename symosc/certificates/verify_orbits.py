@@ -339,6 +339,7 @@ def orbit(data, source, limits):
         """Return whether t or x of event i surely differs from that of event 0, `later` forcing
         periods later.
         """
+        # `turn` is the time of all `periods` forcing periods.
         (t, x) = points[i]
         (t0, x0) = points[0]
         return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)

@@ -151,7 +151,7 @@ def _print_fragment(
     data = {"fragment": name, "text": text, "steps": fragment.log()}
     if path is None:
         show = partial(output.write, text, end="")
-    else:
+    else:  # the name of the file; nothing for standard output, see `output.report`
         show = partial(output.write, str(Path(path)))
     output.report(lambda: data, show)
     return 0

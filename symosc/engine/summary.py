@@ -173,6 +173,7 @@ def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     floats[:, X_LAST] = states["x"]
     floats[:, V_LAST] = states["v"]
     ints[:, PLANE] = states["at"]
+    # The word that is being collected is whole if it begins at a section.
     ints[:, WHOLE] = states["theta"] == 0.0
     # Places of sections that were not reached are never read.
     sections = np.empty((count, asked.ring, 8))

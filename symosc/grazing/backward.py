@@ -729,26 +729,19 @@ class Origins:
         if far is None:
             far = SEARCH_PERIODS * self.K.period
         state = steps.begin(0.0)
-        repeats_left = MOST_REPEATS
+        undecided_left = MOST_REPEATS
         for _ in range(most_steps):
             step = steps.take(theta, order, state)
             state = step.begin
             hit = step.hit
             is_touch = hit is not None and hit.touch
             if repeats and is_touch and state.tau <= far:
-                tau = state.tau
-                repeats_left = repeats_left - 1
-                # With another length, then with yet another one and twice as many digits.
-                for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
-                    flights = self.flights(times * digits)
-                    arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
-                    if arrival is None or arrival.kind == CONTACT:
-                        break
-                # No contact: the search goes on behind the step, unless too many were undecided. Else
-                # a contact, a touch, or too long a search.
-                if arrival is None and repeats_left:
-                    continue
-                arrival = arrival or state._replace(kind=LONG)
+                undecided_left = undecided_left - 1
+                arrival, state = self._repeated(angle, order, state.tau, digits, repeats)
+                if arrival is None and undecided_left:
+                    continue  # there was no contact: the search goes on behind the step
+                if arrival is None:
+                    arrival = state._replace(kind=LONG)  # too many steps were undecided
                 if arrival.tau <= far:
                     return arrival
                 return self._state_at_limit(theta, order, state, far)
@@ -763,6 +756,23 @@ class Origins:
             if abs(state.v) > HUGE:
                 return state._replace(kind=LARGE)
         return state._replace(kind=LONG)
+
+    def _repeated(
+        self, angle: Angle | float, order: int, tau: float, digits: int, repeats: int
+    ) -> tuple[BackwardState | None, BackwardState]:
+        """Repeat the backward step at `tau`, in which doubles left a contact undecided, up to
+        `repeats` times.
+
+        Return the contact, or a touch if it stays undecided, or None if there is none; and the
+        state behind the step.
+        """
+        # With another length, then with yet another one and twice as many digits.
+        for times, length in enumerate(REPEATED_STEPS[:repeats], start=1):
+            flights = self.flights(times * digits)
+            arrival, state = flights.repeat_step(flights.number(angle), order, tau, length)
+            if arrival is None or arrival.kind == CONTACT:
+                break
+        return arrival, state
 
     def _state_at_limit(
         self, theta: float, order: int, state: BackwardState, far: float

@@ -562,15 +562,19 @@ def _edge(tracer: Tracer, left: Sample, right: Sample) -> OriginEdge | None:
 
 
 def _end_reason(tracer: Tracer, here: Sample, beyond: Sample) -> str:
-    """Say why a piece of the curve ends between its last sample `here` and the sample `beyond`."""
+    """Say why a run of samples of one origin ends between its last sample `here` and the sample
+    `beyond`.
+
+    The run may be followed in either direction, so that this is why it begins too.
+    """
     own = tracer.place.boundary
     if beyond.origin == OTHER:
         return f"beyond, the flow comes from belt {3 - own}"
     if beyond.origin in (NOWHERE, UNKNOWN):
-        return (
-            "beyond, the flow met no belt "
-            f"before{' (within the search)' if beyond.origin == UNKNOWN else ''}"
-        )
+        met_no_belt = "beyond, the flow met no belt before"
+        if beyond.origin == UNKNOWN:
+            return f"{met_no_belt} (within the search)"
+        return met_no_belt
     if here.origin != OWN:
         return f"beyond, the flow comes from belt {own}"
     return f"the flow touches belt {own} on the way"

@@ -383,7 +383,9 @@ class Tag(NamedTuple):
 
 
 def _is_sound(data: bytes, order: str, tag: Tag, depth: int) -> bool:
-    """Return whether a MATLAB data element, and every element nested in it, has a valid tag."""
+    """Return whether a MATLAB data element, and every element nested in it, has a valid tag and as
+    many parts as its class needs, and is not nested too deeply.
+    """
     if tag.kind != MATRIX_TYPE:  # a packed matrix has a checksum of its own
         return tag.kind in OTHER_TYPES
     parts = list(_tags(data, order, tag.begin, tag.end, True))
