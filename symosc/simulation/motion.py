@@ -512,7 +512,9 @@ class MotionInDigits(Motion):
         t, t_error, x_error = map(float, clock)
         x = float(event.state.x)
         noise = self._limits.noise
-        if self.from_start:
+        if self.start.start_error:  # no digits make it smaller
+            self.is_known = True
+        elif self.from_start:
             # Where neighbouring motions move apart, digits are eaten however exact the start is: no
             # more is asked for than doubles would have to give.
             least = max(self._limits.accuracy, EPS)

@@ -474,7 +474,7 @@ def test_an_unstable_orbit_is_known_as_one() -> None:
     del whole["message"]
     judge = weakened(
         verify,
-        (('for each in ("c", "k", "mu1", "mu2", "FN")', 'for each in ("k", "mu1", "mu2", "FN")'),),
+        (('for name in ("c", "k", "mu1", "mu2", "FN")', 'for name in ("k", "mu1", "mu2", "FN")'),),
     )
     code, answer = judge(whole)
     assert (code, answer.startswith("proven: an unstable orbit P32")) == (0, True), answer

@@ -186,6 +186,7 @@ VALID: dict[str, set[str]] = {
         "tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase",
         NUMBER,
     ),
+    **_each("Belt v, Belt mu, Belt mu_s, Belt.replace mu, Oscillator.replace mu_s1", NUMBER),
     **_each("g, angle, atlas prove, atlas seconds, grazing_start periods", NUMBER),
     **_each("Scene start_error, simulate_many skip", NUMBER | {"array_0"}),
     **_each("theorem7 gamma, theorem7 amplitude", NUMBER | {"symbol"}),
@@ -231,7 +232,7 @@ VALID: dict[str, set[str]] = {
     "end": PAIRS | {"ragged"},
     "guess": PAIRS | {"frame"},
     "start": PAIRS | {"array_odd", "ragged"},
-    "CompiledResidual.__call__ x": PAIRS | {"array_nan"},
+    "CompiledResidual.__call__ x": PAIRS | {"array_nan", "broken"},
     **_each("columns, given, fit start", {"{}"}),
     "events": {"[]", "()", "iterator", "array_empty", "array_no_texts"},
     "path": {"text", "text_1", "str_", "text_1e-900"},
@@ -349,6 +350,8 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
     start = {"t0": 0, "x0": 0, "v0": 0, "t_end": 3}
     scene = load_scene("fig6")
     wall = {"m": 1, "k": 1, "Omega": 2, "FN": 1, "Y": 1, "joined": True}
+    belt = s.Belt(1, "1/2", mu_s=1)
+    law = {"m": 1, "c": 0, "k": 1, "B0": 1, "Omega": 2, "FN": 1, "belts": [belt]}
     swept = {"scene": "fig9", "over": {"Omega": [4]}, "record": "events", "t_end": "1"}
     return {
         "Parameters": (s.Parameters, {name: getattr(P5, name) for name in P5.as_dict()}),
@@ -434,6 +437,10 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
             plot.sweep_figure,
             grazes | {"name": "Omega", "low": "0.1", "high": 4},
         ),
+        "Belt": (s.Belt, {"v": 1, "mu": 1, "mu_s": 2}),
+        "Belt.replace": (belt.replace, {"mu": "1/3"}),
+        "Oscillator": (s.Oscillator, law),
+        "Oscillator.replace": (s.Oscillator(**law).replace, {"m": 1, "mu_s1": 2}),
     }
 
 
