@@ -126,7 +126,7 @@ class CommandLine(click.Group):
             _fail(str(error))
         except OverflowError as error:
             _fail(f"a number is beyond the range of double precision ({error})")
-        except MemoryError:
+        except (MemoryError, SystemError):  # the second where memory ends within an extension
             _fail("there is not enough memory for this")
         except OSError as error:
             drop(sys.stdout)
