@@ -174,6 +174,17 @@ class FrictionLaw(NamedTuple):
         """The numbers of the domains between the belts."""
         return range(1, len(self.belts) + 2)
 
+    def domain_of(self, v: Any) -> int:
+        """Return the domain of a velocity that is not the speed of a belt."""
+        return 1 + sum(v > belt.v for belt in self.belts)
+
+    def boundary_of(self, v: Any) -> int:
+        """Return the number of the belt that has the speed v, 0 if none has."""
+        for boundary, belt in enumerate(self.belts, 1):
+            if belt.v == v:
+                return boundary
+        return 0
+
     def force(self, domain: int) -> Any:
         """Return the sum of all friction forces on the mass in a domain (eq. (5)).
 

@@ -289,14 +289,13 @@ class Belt:
         require_or_none(NUMBER, mu=mu, mu_s=mu_s)
         if mu is not None and curve is not None:
             raise ParameterError("curve", curve, "must be omitted if mu is given, or mu omitted")
-        if curve is not None or slope != 0:
-            refused = "curve" if curve is not None else "slope"
-            raise ParameterError(
-                refused,
-                curve if curve is not None else slope,
-                "friction that depends on the relative speed cannot be solved yet; give mu, and "
-                "mu_s for static friction",
-            )
+        for name, value, usual in (("curve", curve, None), ("slope", slope, 0)):
+            if value != usual:
+                allowed = (
+                    "friction that depends on the relative speed cannot be solved yet; give mu, "
+                    "and mu_s for static friction"
+                )
+                raise ParameterError(name, value, allowed)
         if mu is None:
             raise ParameterError("mu", None, "mu is required: the kinetic coefficient of friction")
         given = {"v": v, "mu": mu, "mu_s": mu if mu_s is None else mu_s}

@@ -101,7 +101,8 @@ def separation_at(
         far = np.any(compared.limits[i] >= FAR_BEYOND * exact[i])
         if far and len(events) <= FEW_EVENTS:
             return None
-    begin, end = float(samples.t[j]), float(samples.t[beyond])
+    begin = float(samples.t[j])
+    end = float(samples.t[beyond])
     box = error[j] + compared.loose[j] + compared.task.tolerance * compared.scales
     speeds = belt_speeds(compared.steps.K)
     on = int(compared.steps.on[j])

@@ -224,11 +224,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     v = number(start.v0)
     (theta, theta_low) = arithmetic.phase(start.t0)
     phase: Phase = arithmetic.namespace["sine_and_cosine"](theta, theta_low)
-    speeds = [belt.v for belt in p.law.belts]
-    if start.v0 in speeds:
-        at = 1 + speeds.index(start.v0)
-    else:
-        at = 0
+    at = p.law.boundary_of(start.v0)
     if at:
         begun = belt_start(at, x, phase, arithmetic)
         clear = CLEAR_FORCE * force_terms(at, x, K) + reach_of_error(start, arithmetic)
@@ -239,7 +235,7 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
         mode = begun.mode
         (Fb, Fa) = begun.forces
     else:
-        mode = 1 + sum(start.v0 > speed for speed in speeds)
+        mode = p.law.domain_of(start.v0)
         Fb = Fa = acceleration(x, v, phase[1], constant_force(mode, K), K.cm, K.w0sq, K.f0)
     S = Covariance((eps * x) * (eps * x), 0 * x, 0 * v if at else (eps * v) * (eps * v))
     if start.start_error:
@@ -322,7 +318,7 @@ def is_steady(start: Start) -> bool:
     # The steady motion at t = 0, without its mean: A/k, or a mean velocity A/c where k = 0.
     x = p.B0 * pull / size
     v = p.B0 * drag * p.Omega / size
-    domains = range(1, len(p.law.belts) + 2)
+    domains = p.law.domains
     if p.k == 0:
         return p.c > 0 and any(start.v0 == v + p.A(domain) / p.c for domain in domains)
     return start.v0 == v and any(start.x0 == x + p.A(domain) / p.k for domain in domains)
@@ -335,20 +331,19 @@ def settles(start: Start) -> bool:
     # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g, with
     # w = sqrt(square), follows from the squares of its two parts: all numbers stay rational.
     p = start.parameters
-    speeds = [belt.v for belt in p.law.belts]
-    if p.B0 != 0 or start.start_error or start.v0 in speeds:
+    if p.B0 != 0 or start.start_error or p.law.boundary_of(start.v0):
         return False
     h = p.c / (2 * p.m)
     square = h * h - p.k / p.m
-    domain = 1 + sum(start.v0 > speed for speed in speeds)
+    domain = p.law.domain_of(start.v0)
     a = (p.A(domain) - p.k * start.x0 - p.c * start.v0) / p.m
     if a == 0 and start.v0 == 0:
         return True
     if square < 0:
         return False
     for boundary, side in ((domain - 1, 1), (domain, -1)):
-        if 1 <= boundary <= len(speeds):
-            v = speeds[boundary - 1]
+        if boundary in p.law.boundaries:
+            v = p.law.belts[boundary - 1].v
             gap = side * (start.v0 - v)
             rational_part = side * a + h * gap  # of u; the other part is w * gap >= 0
             is_negative = rational_part < 0 and rational_part**2 > square * gap * gap

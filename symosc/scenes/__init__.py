@@ -299,7 +299,7 @@ def start_numbers(
     errors = dict.fromkeys(START_NAMES, Fraction(0))
     for name, value in start.items():
         numbers[name], exact = read_number(name, value)
-        on_belt = name == "v0" and any(numbers[name] == belt.v for belt in p.law.belts)
+        on_belt = name == "v0" and p.law.boundary_of(numbers[name])
         if not (exact or on_belt):
             errors[name] = half_unit(numbers[name])
     t0, x0, v0, _ = errors.values()

@@ -21,6 +21,19 @@ from symosc import Parameters
 Rng = np.random.Generator
 State = tuple[float, float, float]
 
+
+def states_of(pieces: list[np.ndarray], dense: list[Any], t: Any) -> np.ndarray:
+    """Return the rows x and v at times, from the dense output of the piece in which each lies."""
+    times = np.atleast_1d(np.asarray(t, dtype=float))
+    begins = np.array([piece[0, 0] for piece in pieces])
+    numbers = np.clip(np.searchsorted(begins, times, "right") - 1, 0, len(begins) - 1)
+    states = np.empty((2, len(times)))
+    for number in np.unique(numbers).tolist():
+        here = numbers == number
+        states[:, here] = dense[number](times[here])
+    return states
+
+
 #: Tolerances and longest steps (in units of 1/rate) at which events and dense output are right to about 1e-10.
 METHODS: dict[str, dict[str, Any]] = {
     "DOP853": {"rtol": 1e-12, "atol": 1e-13, "max_step": 0.1},
@@ -74,14 +87,7 @@ class Solution:
 
     def __call__(self, t: Any) -> np.ndarray:
         """Return the rows x and v at times."""
-        times = np.atleast_1d(np.asarray(t, dtype=float))
-        begins = np.array([piece[0, 0] for piece in self.steps])
-        numbers = np.clip(np.searchsorted(begins, times, "right") - 1, 0, len(begins) - 1)
-        states = np.empty((2, len(times)))
-        for number in np.unique(numbers).tolist():
-            here = numbers == number
-            states[:, here] = self.dense[number](times[here])
-        return states
+        return states_of(self.steps, self.dense, t)
 
     @property
     def own_steps(self) -> np.ndarray:

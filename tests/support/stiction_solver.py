@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from solution_families import states_of
 
 from symosc import Oscillator
 
@@ -58,14 +59,7 @@ class Solved:
         return np.hstack(self.pieces)
 
     def __call__(self, t: Any) -> np.ndarray:
-        times = np.atleast_1d(np.asarray(t, dtype=float))
-        begins = np.array([piece[0, 0] for piece in self.pieces])
-        numbers = np.clip(np.searchsorted(begins, times, "right") - 1, 0, len(begins) - 1)
-        states = np.empty((2, len(times)))
-        for number in np.unique(numbers).tolist():
-            here = numbers == number
-            states[:, here] = self.dense[number](times[here])
-        return states
+        return states_of(self.pieces, self.dense, t)
 
 
 class _Solver:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -321,20 +322,29 @@ def _first_slip_of_the_example() -> Any:
     return time
 
 
+def _bisected(is_before: Callable[[Any], bool], low: int, high: int) -> Any:
+    """Return where `is_before` changes from true to false, between two numbers."""
+    before = CONTEXT.mpf(low)
+    behind = CONTEXT.mpf(high)
+    for _ in range(150):
+        middle = (before + behind) / 2
+        if is_before(middle):
+            before = middle
+        else:
+            behind = middle
+    return before
+
+
 @cache
 def _first_slip_by_bisection() -> Any:
     """Return the same from the balance of forces, at the first change of its sign."""
-    low = CONTEXT.mpf(0)
-    high = CONTEXT.mpf(2)
-    for _ in range(150):
-        middle = (low + high) / 2
-        drive = CONTEXT.mpf("1.5") * CONTEXT.cos((3 * CONTEXT.pi + middle) / 2)
-        spring = CONTEXT.mpf("0.5") + middle
-        if drive - spring > -1:
-            low = middle
-        else:
-            high = middle
-    return low
+
+    def is_held(time: Any) -> bool:
+        drive = CONTEXT.mpf("1.5") * CONTEXT.cos((3 * CONTEXT.pi + time) / 2)
+        spring = CONTEXT.mpf("0.5") + time
+        return bool(drive - spring > -1)
+
+    return _bisected(is_held, 0, 2)
 
 
 def _counts() -> Items:
@@ -453,15 +463,7 @@ def _return_by_newton() -> Any:
 @cache
 def _return_by_bisection() -> Any:
     """Return the same, at the first change of sign of the velocity."""
-    low = CONTEXT.mpf(1)
-    high = CONTEXT.mpf(3)
-    for _ in range(150):
-        middle = (low + high) / 2
-        if CONTEXT.sin(middle) + middle * CONTEXT.cos(middle) > 0:
-            low = middle
-        else:
-            high = middle
-    return low
+    return _bisected(lambda time: CONTEXT.sin(time) + time * CONTEXT.cos(time) > 0, 1, 3)
 
 
 def _saltation() -> Items:
