@@ -3,13 +3,19 @@
 Belts are numbered from 1, in order of speed. Belt b is the boundary b of the domains b and b + 1:
 `belts` belts make `belts` + 1 domains. Whatever depends on how many belts there are, or on which
 side of a belt a domain lies, asks this module; the paper's two belts are `TWO_BELTS`.
+
+Where the friction of a belt depends on the relative speed, it is linear between the points of the
+belt's curve. Such a point is a corner, a speed at which the slope of the friction changes. Belts
+and corners are the edges of the law. Between two edges lies a band, in which the motion is linear;
+a domain consists of one band or more.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -134,18 +140,89 @@ MAPS = TWO_BELTS.maps
 class BeltNumbers(NamedTuple):
     """The numbers of a belt: its speed v, its kinetic and its static coefficient of friction.
 
-    They are numbers of any kind, or columns. Without `mu_s` the two coefficients are equal.
+    They are numbers of any kind, or columns. Without `mu_s` the two coefficients are equal. `mu` is
+    the kinetic coefficient at the belt's speed. Where it depends on the relative speed w, `curve`
+    has its points (w, mu) from w = 0 on, and `slope` is that beyond the last one.
     """
 
     v: Any
     mu: Any
     mu_s: Any = None
+    curve: Sequence[tuple[Any, Any]] = ()
+    slope: Any = 0
 
 
 #: The names of a belt's numbers; those of belt 1 are called v1, mu1 and mu_s1 wherever all numbers
 #: of an oscillator have names. The first two are required.
-BELT_NAMES = BeltNumbers._fields
+BELT_NAMES = BeltNumbers._fields[: BeltNumbers._fields.index("curve")]
 REQUIRED_OF_BELT = tuple(name for name in BELT_NAMES if name not in BeltNumbers._field_defaults)
+
+
+class Line(NamedTuple):
+    """A piece of a belt's kinetic friction coefficient: mu + slope w from a relative speed `begin`
+    on.
+    """
+
+    begin: Any
+    mu: Any
+    slope: Any
+
+
+def kinetic_lines(belt: BeltNumbers) -> list[Line]:
+    """Return the straight pieces of a belt's kinetic friction, from the relative speed 0 on."""
+    points = belt.curve or [(Fraction(0), belt.mu)]
+    slopes = [(high - low) / (end - begin) for (begin, low), (end, high) in pairwise(points)]
+    lines = list[Line]()
+    for (begin, mu), slope in zip(points, [*slopes, belt.slope], strict=True):
+        if not lines or slope != lines[-1].slope:  # no corner between two pieces of one line
+            lines.append(Line(begin, mu - slope * begin, slope))
+    return lines
+
+
+class EdgeOfLaw(NamedTuple):
+    """A speed at which the friction force or its slope jumps.
+
+    J is by how much the force below exceeds the force above, E by how much static friction exceeds
+    kinetic friction; `belt` is the number of the belt, 0 at a corner.
+    """
+
+    v: Any
+    J: Any
+    E: Any
+    belt: int
+
+
+class RowOfLaw(NamedTuple):
+    """What the engine follows with one set of constants: three neighbouring domains of equal
+    damping, of which it may use the middle one only.
+
+    Attributes
+    ----------
+    slope : number or None
+        What friction adds to the damping c; None: nothing.
+    forces : tuple
+        The friction forces in the three domains.
+    below, above : EdgeOfLaw or None
+        The edges between them; None: there is none.
+    domain : int
+        The domain of the law to which the middle one belongs.
+    """
+
+    slope: Any
+    forces: tuple[Any, Any, Any]
+    below: EdgeOfLaw | None
+    above: EdgeOfLaw | None
+    domain: int
+
+
+class Place(NamedTuple):
+    """Where a velocity lies: the number of its row, there its domain (1, 2 or 3), and the edge that
+    has this velocity (1 below the middle domain, 2 above it, 0 none; then `domain` is below it).
+    """
+
+    row: int
+    domain: int
+    edge: int
 
 
 def kinetic_coefficient(belt: BeltNumbers) -> Any:
@@ -158,7 +235,8 @@ def static_coefficient(belt: BeltNumbers) -> Any:
     return belt.mu_s
 
 
-class FrictionLaw(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class FrictionLaw:
     """The belts in order of speed, and the normal force FN that presses the mass between them."""
 
     belts: Sequence[BeltNumbers]
@@ -184,6 +262,84 @@ class FrictionLaw(NamedTuple):
             if belt.v == v:
                 return boundary
         return 0
+
+    @cached_property
+    def is_plain(self) -> bool:
+        """Whether one row of constants is enough: at most two belts, whose friction does not depend
+        on the relative speed.
+        """
+        return len(self.belts) <= len(TWO_BELTS.boundaries) and not any(
+            belt.curve or belt.slope for belt in self.belts
+        )
+
+    @cached_property
+    def edges(self) -> list[EdgeOfLaw]:
+        """The belts and corners, in order of speed."""
+        found = {
+            belt.v: EdgeOfLaw(belt.v, 2 * self.kinetic(n), self.excess(n), n)
+            for n, belt in enumerate(self.belts, 1)
+        }
+        corners = {
+            speed
+            for belt in self.belts
+            for line in kinetic_lines(belt)
+            for speed in (belt.v - line.begin, belt.v + line.begin)
+        }
+        for speed in corners - found.keys():
+            # the corners of two belts may make up for each other
+            found[speed] = EdgeOfLaw(speed, Fraction(0), Fraction(0), 0)
+        return [found[speed] for speed in sorted(found)]
+
+    @cached_property
+    def rows(self) -> list[RowOfLaw]:
+        """The rows of constants: one if the law is plain, else one for each band."""
+        if self.is_plain:
+            below, *above = (
+                EdgeOfLaw(belt.v, 2 * self.kinetic(n), self.excess(n), n)
+                for n, belt in enumerate(self.belts, 1)
+            )
+            forces = (self.force(1), self.force(2), self.force(3))
+            return [RowOfLaw(None, forces, below, above[0] if above else None, 2)]
+        edges = self.edges
+        rows = []
+        domain = 1
+        for below, above in pairwise([None, *edges, None]):
+            if below is not None and below.belt:
+                domain += 1
+            slope, force = self.line_between(below and below.v, above and above.v)
+            forces = (
+                force + (below.J if below else 0),
+                force,
+                force - (above.J if above else 0),
+            )
+            rows.append(RowOfLaw(slope, forces, below, above, domain))
+        return rows
+
+    def line_between(self, below: Any, above: Any) -> tuple[Any, Any]:
+        """Return what friction adds to the damping, and its constant part, between the speeds of two
+        neighbouring edges (None: there is none).
+        """
+        total_slope = Fraction(0)
+        total_force = Fraction(0)
+        for belt in self.belts:
+            if above is not None and above <= belt.v:  # the belt is faster, and drags forward
+                side = 1
+                nearest = belt.v - above
+            else:
+                side = -1
+                nearest = below - belt.v
+            line = [line for line in kinetic_lines(belt) if line.begin <= nearest][-1]
+            total_slope += line.slope * self.FN
+            total_force += (side * line.mu + line.slope * belt.v) * self.FN
+        return total_slope, total_force
+
+    def place_of(self, v: Any) -> Place:
+        """Return where a velocity lies."""
+        if self.is_plain:
+            return Place(0, self.domain_of(v), self.boundary_of(v))
+        speeds = [edge.v for edge in self.edges]
+        row = sum(v > speed for speed in speeds)
+        return Place(row, 2, 2 if v in speeds else 0)
 
     def force(self, domain: int) -> Any:
         """Return the sum of all friction forces on the mass in a domain (eq. (5)).

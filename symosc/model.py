@@ -254,8 +254,11 @@ class Belt:
         Speed of the belt; 0 is a wall.
     mu : number
         Kinetic coefficient of friction, >= 0. A belt with mu = mu_s = 0 is transparent.
-    curve, slope : optional
-        Kinetic friction that depends on the relative speed. It cannot be solved yet and is refused.
+    curve : sequence of (w, mu), optional
+        The kinetic coefficient over the relative speed w = |v - v_belt|, from w = 0 on, linear
+        between its points; in place of `mu`.
+    slope : number, optional
+        How much it grows with w beyond the last point, >= 0.
     mu_s : number, optional
         Static coefficient of friction, >= mu. None: equal to mu.
 
@@ -274,6 +277,8 @@ class Belt:
     v: Fraction
     mu: Fraction
     mu_s: Fraction
+    curve: tuple[tuple[Fraction, Fraction], ...]
+    slope: Fraction
 
     @public
     def __init__(
@@ -281,7 +286,7 @@ class Belt:
         v: NumberLike,
         mu: NumberLike | None = None,
         *,
-        curve: Any = None,
+        curve: Sequence[tuple[NumberLike, NumberLike]] | None = None,
         slope: NumberLike = 0,
         mu_s: NumberLike | None = None,
     ) -> None:
@@ -289,15 +294,17 @@ class Belt:
         require_or_none(NUMBER, mu=mu, mu_s=mu_s)
         if mu is not None and curve is not None:
             raise ParameterError("curve", curve, "must be omitted if mu is given, or mu omitted")
-        for name, value, usual in (("curve", curve, None), ("slope", slope, 0)):
-            if value != usual:
-                allowed = (
-                    "friction that depends on the relative speed cannot be solved yet; give mu, "
-                    "and mu_s for static friction"
-                )
-                raise ParameterError(name, value, allowed)
+        points = _read_curve(curve)
+        if points:
+            mu = points[0][1]
         if mu is None:
             raise ParameterError("mu", None, "mu is required: the kinetic coefficient of friction")
+        object.__setattr__(self, "slope", read_number("slope", slope)[0])
+        if self.slope < 0:
+            raise ParameterError("slope", show(self.slope), "must be >= 0: friction may not vanish")
+        if self.slope > 0 and not points:
+            points = ((Fraction(0), read_number("mu", mu)[0]),)
+        object.__setattr__(self, "curve", points if self.slope or len(points) > 1 else ())
         given = {"v": v, "mu": mu, "mu_s": mu if mu_s is None else mu_s}
         for name, value in given.items():
             object.__setattr__(self, name, read_number(name, value)[0])
@@ -340,6 +347,16 @@ class Belt:
             f"{name}={_source(show(value))}" for name, value in self.as_given().items()
         )
         return f"Belt({', '.join([speed.removeprefix('v='), *others])})"
+
+
+def _read_curve(curve: Any) -> tuple[tuple[Fraction, Fraction], ...]:
+    """Return the points of a friction curve as exact numbers."""
+    if curve is None:
+        return ()
+    points = tuple(
+        (read_number("curve", w)[0], read_number("curve", mu)[0]) for w, mu in curve
+    )
+    return points
 
 
 class Edge(NamedTuple):
@@ -501,25 +518,28 @@ class Oscillator(Model):
 
     @property
     def edges(self) -> tuple[Edge, ...]:
-        """The speeds at which friction jumps, in order."""
+        """The speeds at which friction or its slope jumps, in order."""
         return tuple(
-            Edge(belt.v, 2 * self.law.kinetic(n), self.law.excess(n), (n,))
-            for n, belt in enumerate(self.belts, 1)
+            Edge(edge.v, edge.J, edge.E, (edge.belt,) if edge.belt else ())
+            for edge in self.law.edges
         )
 
     @property
     def bands(self) -> tuple[Band, ...]:
-        """The linear equations between the belts, from below."""
-        speeds = [None, *(belt.v for belt in self.belts), None]
-        return tuple(
-            Band(self.c, self.A(n), below, above)
-            for n, (below, above) in enumerate(pairwise(speeds), 1)
-        )
+        """The linear equations between the edges, from below."""
+        speeds = [None, *(edge.v for edge in self.law.edges), None]
+        bands = []
+        for below, above in pairwise(speeds):
+            slope, force = self.law.line_between(below, above)
+            bands.append(Band(self.c + slope, self.A0 + force, below, above))
+        return tuple(bands)
 
     @property
     def contracts(self) -> bool:
         """Whether any two motions approach each other."""
-        return not any(belt.has_static for belt in self.belts)
+        return not any(belt.has_static for belt in self.belts) and all(
+            band.c >= 0 for band in self.bands
+        )
 
     @property
     def parameters(self) -> Parameters:
@@ -531,6 +551,12 @@ class Oscillator(Model):
                     belt,
                     f"static friction of belt {n} (mu_s = {show(belt.mu_s)} > mu = "
                     f"{show(belt.mu)}) cannot be followed here; give mu_s = mu",
+                )
+            if belt.curve:
+                raise ParameterError(
+                    "belts",
+                    belt,
+                    f"friction of belt {n} that depends on speed cannot be followed here",
                 )
         if len(self.belts) > len(TWO_BELTS.boundaries):
             raise ParameterError(
@@ -555,10 +581,16 @@ class Oscillator(Model):
         )
 
     def numbers(self) -> dict[str, Fraction]:
-        """Return all parameters by name; those of belt 1 are called v1, mu1 and mu_s1."""
+        """Return all parameters by name; those of belt 1 are called v1, mu1 and mu_s1, those of its
+        curve w1_1, mu1_1 and so on.
+        """
         numbers = {name: value for name, value in self._shared().items() if value is not None}
         for n, belt in enumerate(self.belts, 1):
             numbers |= {f"{name}{n}": getattr(belt, name) for name in BELT_NAMES}
+            for i, (w, mu) in enumerate(belt.curve[1:], 1):
+                numbers |= {f"w{n}_{i}": w, f"mu{n}_{i}": mu}
+            if belt.curve:
+                numbers[f"slope{n}"] = belt.slope
         return numbers
 
     def given_numbers(self) -> dict[str, Fraction]:
