@@ -6,6 +6,10 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+from pathlib import Path
+
 import nox
 
 nox.needs_version = ">=2025.2.9"
@@ -75,15 +79,61 @@ def release(session: nox.Session) -> None:
     session.run("pytest", "-m", "campaign", "tests/test_release.py", *session.posargs)
 
 
+@nox.session(default=False)
+def build(session: nox.Session) -> None:
+    """Build wheel and source of this commit in dist, to be uploaded to a package index.
+
+    The README's links become absolute, to the version's tag at `origin`: an index has no files
+    beside the page.
+    """
+
+    def git(*words: str) -> str:
+        return subprocess.run(["git", *words], capture_output=True, text=True, check=True).stdout
+
+    session.install("build", "twine")
+    source = Path(session.create_tmp()).resolve() / "source"
+    session.run("git", "clone", "--quiet", ".", str(source), external=True)
+    found = re.search(r'__version__ = "(.+)"', (source / "symosc/__init__.py").read_text("utf-8"))
+    assert found
+    readme = source / "README.md"
+    address = repository_address(git("remote", "get-url", "origin").strip())
+    text = with_absolute_links(readme.read_text("utf-8"), address, f"v{found[1]}")
+    readme.write_text(text, "utf-8")
+    session.run("python", "-m", "build", "--outdir", "dist", str(source))
+    session.run("twine", "check", "--strict", *map(str, Path("dist").iterdir()))
+
+
+def repository_address(remote: str) -> str:
+    """Return the address of a repository's page, from that of a remote, which may be one for SSH."""
+    return re.sub(r"^git@([^:]+):", r"https://\1/", remote).removesuffix(".git")
+
+
+def with_absolute_links(text: str, address: str, tag: str) -> str:
+    """Return a README whose links and pictures lead to the repository at `address`, at `tag`."""
+
+    def absolute(match: re.Match[str]) -> str:
+        picture, target = match.groups()
+        if target.startswith("../../"):
+            return f"{picture}({address}/{target.removeprefix('../../')})"
+        kind = "raw" if picture.startswith("!") else "blob"
+        return f"{picture}({address}/{kind}/{tag}/{target})"
+
+    # The text in brackets may be a picture itself: inner links come first.
+    inner = re.compile(r"(!\[[^\]]*\])\((?!https?:)([^)\s]+)\)")
+    outer = re.compile(r"((?<!!)\[(?:[^\[\]]|!\[[^\]]*\]\([^)]*\))*\])\((?!https?:)([^)\s]+)\)")
+    return outer.sub(absolute, inner.sub(absolute, text))
+
+
 @nox.session
 def lint(session: nox.Session) -> None:
     """Look for faults of style and form."""
-    session.install("ruff", "codespell", "cffconvert", "sp-repo-review[cli]")
+    session.install("ruff", "codespell", "cffconvert", "sp-repo-review[cli]", "zizmor")
     session.run("ruff", "check", ".")
     session.run("ruff", "format", "--check", ".")
     session.run("codespell")
     session.run("cffconvert", "--validate")
     session.run("sp-repo-review", ".")
+    session.run("zizmor", "--offline", ".github")
 
 
 @nox.session

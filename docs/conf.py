@@ -48,6 +48,7 @@ extensions = [
     "sphinx_design",
     "api",
     "console",
+    "gallery",
     "mathml",
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
@@ -86,7 +87,7 @@ html_copy_source = False
 html_theme_options = {
     "navbar_align": "left",
     "navbar_end": ["theme-switcher"],
-    "header_links_before_dropdown": 7,
+    "header_links_before_dropdown": 8,
     "show_prev_next": True,
     "secondary_sidebar_items": ["page-toc"],
     "footer_start": ["copyright"],
@@ -94,7 +95,9 @@ html_theme_options = {
     "show_toc_level": 2,
     "navigation_with_keys": False,
 }
-html_sidebars = {page: [] for page in ("index", "quickstart", "tasks", "changes", "citing")}
+html_sidebars = {
+    page: [] for page in ("index", "quickstart", "tasks", "gallery", "changes", "citing")
+}
 copybutton_prompt_text = r"\$ |>>> |\.\.\. "
 copybutton_prompt_is_regexp = True
 copybutton_only_copy_prompt_lines = True

@@ -5,18 +5,23 @@ What they show is run, and must print what they say.
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import re
 import shlex
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
 
 import symosc
+from symosc import plot
 from symosc.cli.app import main
+from symosc.derive.citation import bibtex
+from symosc.paper import figures
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -109,5 +114,56 @@ def test_commands_in_the_text_exist() -> None:
 
 def test_the_readme_is_short() -> None:
     lines = README.splitlines()
-    assert len(lines) <= 110
+    assert len(lines) <= 120
     assert max(map(len, lines)) <= 120
+
+
+def test_the_readme_begins_with_the_machine() -> None:
+    """Before any letter is used the machine and the mappings are shown, and their letters said."""
+    sketch, mappings, motion = re.findall(r"!\[[^\]]+\]\((docs/\w+\.svg)\)", README)
+    for name in (sketch, mappings, motion):
+        picture = (ROOT / name).read_text(encoding="utf-8")
+        assert "<svg" in picture
+        assert len(picture) < 60_000
+    caption, _, rest = README.partition("\n\nsymosc computes")
+    assert caption.index(sketch) < caption.index(mappings) < caption.index("*The machine:")
+    for letter in ("m", "k", "c", "A0", "B0", "Ωt", "FN", "v1", "v2", *symosc.words.MAPS):
+        assert re.search(rf"\b{letter}\b", caption), letter
+    assert rest
+
+
+def test_the_pictures_of_the_machine_are_the_papers_figures(tmp_path: Path) -> None:
+    """Compare what is drawn, as far as it does not depend on the version of matplotlib."""
+    for name, draw in (("machine", figures.fig1), ("mappings", figures.fig4)):
+        drawn = plot.save(draw(), tmp_path / f"{name}.svg").read_text(encoding="utf-8")
+        stored = (ROOT / "docs" / f"{name}.svg").read_text(encoding="utf-8")
+        for part in ("<use ", "<path ", "#d7191c"):
+            assert stored.count(part) == drawn.count(part), (name, part)
+
+
+def test_the_readme_says_how_to_cite() -> None:
+    (entries,) = blocks("bibtex")
+    assert entries.strip() == bibtex().strip()
+
+
+def test_links_on_a_package_index_are_absolute() -> None:
+    noxfile = pytest.importorskip("nox") and _noxfile()
+    address = noxfile.repository_address("git@example.org:somebody/symosc.git")
+    assert address == noxfile.repository_address("https://example.org/somebody/symosc")
+    text = noxfile.with_absolute_links(README, address, "v9.8.7")
+    targets = re.findall(r"\]\(([^)\s]+)\)", text)
+    assert len(targets) == len(re.findall(r"\]\(([^)\s]+)\)", README)) > 20
+    assert all(target.startswith("https://") for target in targets)
+    assert f"![The machine: {README.partition('![The machine: ')[2].partition(']')[0]}]" in text
+    for part in ("raw/v9.8.7/docs/machine.svg", "blob/v9.8.7/CHANGELOG.md", "issues"):
+        assert f"({address}/{part})" in text
+    assert "[![license: BSD-3-Clause](https://img.shields.io" in text
+
+
+def _noxfile() -> Any:
+    specification = importlib.util.spec_from_file_location("noxfile", ROOT / "noxfile.py")
+    assert specification
+    module = importlib.util.module_from_spec(specification)
+    assert specification.loader
+    specification.loader.exec_module(module)
+    return module

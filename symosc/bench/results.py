@@ -69,12 +69,11 @@ def write(readme: str | Path, result: Record) -> list[Path]:
         write_text(folder / "README.md", overview(result)),
     ]
     parts = [
-        speed.measurement_note(result["speed"]),
         speed.brief(result["speed"]),
-        comparison(result),
+        _heyoka_sentence(measured["rows"]),
+        f"[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md).",
     ]
-    link = f"[All calls, solvers, cases, and pictures]({RESULTS_FOLDER}/README.md)."
-    brief = "\n\n".join(parts) + f"\n{link}\n"
+    brief = f"{_filled(' '.join(parts))}\n"
     return [write_text(readme, _replaced(text, brief, readme)), *files]
 
 

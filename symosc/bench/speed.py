@@ -576,34 +576,29 @@ def measurement_note(result: Record) -> str:
     return fill(text, 120, break_long_words=False, break_on_hyphens=False)
 
 
-#: The rows of the README's table: group and row.
+#: What the README says of the speed: group, row, and how a sentence calls that.
 BRIEF = (
-    ("One long motion, events counted", "fig5"),
-    (f"Starts of fig9, {PERIODS} periods each", "events counted"),
-    (f"Starts of fig9, {PERIODS} periods each", "all columns of a summary"),
-    (
-        f"Starts of fig9, {PERIODS} periods each",
-        f"closed form, scan of {SCAN_POINTS} points, numba",
-    ),
-    ("simulate", "fig5, 1,000 events"),
-    ("simulate", "fig5, 30 digits"),
-    ("simulate", "fig8"),
-    ("New process", "symosc simulate fig5"),
+    ("One long motion, events counted", "fig5", "where a long motion is only counted"),
+    ("simulate", "fig5, 1,000 events", "in `simulate`"),
+    ("simulate", "fig5, 30 digits", "with 30 digits"),
+    ("New process", "symosc simulate fig5", "for `symosc simulate fig5` as a whole"),
 )
 
 
 def brief(result: Record) -> str:
-    """Return the README's speed table in Markdown, which has only the rows listed in BRIEF."""
+    """Return the README's sentence about speed, which has only the rows listed in BRIEF."""
     measured = {
         (group["title"], row["what"]): row for group in result["groups"] for row in group["rows"]
     }
-    rows = [
-        [f"{title}: {what}", _time_text(measured[title, what])]
-        for title, what in BRIEF
+    times = [
+        f"{_time_text(measured[title, what])} {words}"
+        for title, what, words in BRIEF
         if (title, what) in measured
     ]
-    return tabulate(
-        rows, ["", "time"], tablefmt="github", disable_numparse=True, colalign=("left", "right")
+    about = result["machine"]
+    return (
+        f"Fig. 5 of the paper takes {', '.join(times)} ({about['processor']}, one core, "
+        f"{about['date']})."
     )
 
 
