@@ -79,6 +79,7 @@ from .scenes import Scene as Scene
 from .scenes import load_scene as load_scene
 from .scenes import scene_names as scene_names
 from .simulation.ensemble import simulate_many as simulate_many
+from .simulation.samples import MotionSamples as MotionSamples
 from .simulation.simulate import simulate as simulate
 from .simulation.tables import EventTable as EventTable
 from .simulation.tables import Summary as Summary

@@ -30,8 +30,21 @@ from symosc.words import collapsed
 @option("--max-events N", "Stop after N events.")
 @option("--digits N", "N digits, relative to max(1, |value|); default: doubles.")
 @option("--csv FILE", "Write the events, all digits, as CSV as well. -: only that.")
+@option(
+    "--samples N",
+    "Write t, x, v and mode at N evenly spaced times; needs --output.",
+    type=WholeNumber(2, 10**8),
+)
+@option("-o, --output FILE", "The CSV file of the samples. -: only that.", "path")
 @options.json_option
-def simulate(scene: str, settings: Settings, csv: Text, **run_options: Any) -> int:
+def simulate(
+    scene: str,
+    settings: Settings,
+    csv: Text,
+    samples: int | None,
+    path: Text,
+    **run_options: Any,
+) -> int:
     """Follow a scene and print its events.
 
     Columns: time, position, velocity and phase (Omega t mod 2 pi) of each event; its kind (cross a
@@ -49,12 +62,19 @@ def simulate(scene: str, settings: Settings, csv: Text, **run_options: Any) -> i
     Examples:
       symosc simulate fig5
       symosc simulate fig8 --set c=3.9 --t-end 20 --digits 30 --csv events.csv
+      symosc simulate fig5 --samples 500 -o motion.csv
     """
+    options.refuse(
+        (samples is None and path is not None, "--output needs --samples N; --csv has the events"),
+        (samples is not None and path is None, "--samples needs --output FILE"),
+    )
     start = {name: run_options.pop(name) for name in ("t_end", "t0", "x0", "v0")}
     problem = options.scene_with(scene, settings, **start)
     trajectory = symosc.simulate(problem, progress=True, **run_options)
     if csv is not None:
         trajectory.to_csv(csv)
+    if samples is not None and path is not None:
+        trajectory.samples(samples).to_csv(path)
     output.report(
         lambda: {"scene": problem.name, **trajectory.as_dict()}, lambda: _print_events(trajectory)
     )

@@ -351,7 +351,8 @@ PANELS: dict[str, Panel] = {
 
 def _horizontal_axis(ax: Axes, view: View, across: str) -> None:
     """Label the horizontal axis with the quantity `across`, and limit a time axis to the samples."""
-    if across == "t":
+    # A motion may be too short for doubles to tell its end from its start.
+    if across == "t" and view.t[0] < view.t[-1]:
         ax.set_xlim(view.t[0], view.t[-1])
     ax.set_xlabel(AXIS_LABELS[across])
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.base.arguments import ARRAY_LIKE, WHOLE, public, require
+from symosc.base.arguments import ARRAY_LIKE, ROWS, WHOLE, public, require
 from symosc.base.display.drawable import Drawable, Listing
 from symosc.base.display.frames import imported
 from symosc.base.errors import ParameterError
@@ -31,6 +31,7 @@ from symosc.kernels.entire import basis_with_drive
 from symosc.model import Model
 from symosc.reductions import event_back, motion_of_belts, number_like
 from symosc.scenes import Original
+from symosc.simulation.samples import MotionSamples, even_samples
 from symosc.simulation.tables import rows_of, write_csv
 from symosc.words import Labels
 
@@ -303,6 +304,42 @@ class Trajectory(Drawable):
             )
         return states
 
+    @public
+    def samples(self, times: int | ArrayLike) -> MotionSamples:
+        """Return the motion at `times` as a table with columns t, x, v and mode.
+
+        Parameters
+        ----------
+        times : int or sequence of numbers
+            How many evenly spaced times, from the start to the end, or the times themselves.
+
+        Returns
+        -------
+        MotionSamples
+            In doubles; ``.to_csv(path)`` writes it, ``.to_pandas()`` converts it.
+
+        Raises
+        ------
+        ParameterError
+            If a time is outside [t_start, t_end].
+
+        Examples
+        --------
+        >>> from symosc import simulate
+        >>> simulate("fig5", t_end=2).samples([0.5, 1]).mode.tolist()
+        ['belt1', 'belt1']
+        """
+        require(WHOLE, ROWS, times=times)
+        if WHOLE.takes(times):
+            chosen = even_samples(times, float(self.t_start), float(self.t_end))
+        else:
+            chosen = read_times(times, "times")
+        if chosen.ndim != 1:
+            given = f"an array of shape {chosen.shape}"
+            raise ParameterError("times", given, "must be one row of times, or how many")
+        x, v = self(chosen)
+        return MotionSamples(chosen, x, v, np.asarray(self.mode(chosen), dtype=str))
+
     def table(self) -> list[dict[str, Any]]:
         """Return the events as rows of plain values.
 
@@ -428,16 +465,19 @@ class Trajectory(Drawable):
         return f"<Trajectory {span}, {len(self.events)} events: {self.status}>"
 
 
-def read_times(t: Any) -> np.ndarray:
-    """Return times as floats, in their given shape."""
-    unmasked("t", t)
+def read_times(t: Any, name: str = "t") -> np.ndarray:
+    """Return times as floats, in their given shape.
+
+    Messages call the argument `name`.
+    """
+    unmasked(name, t)
     try:
         times = np.asarray(t)
     except ValueError:  # rows of several lengths
         times = np.asarray(t, dtype=object)
     if times.dtype.kind in "iuf":
         return times.astype(float)
-    numbers = [float(read_exact("t", time)) for time in times.ravel().tolist()]
+    numbers = [float(read_exact(name, time)) for time in times.ravel().tolist()]
     return np.array(numbers, dtype=float).reshape(times.shape)
 
 

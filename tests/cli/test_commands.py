@@ -49,6 +49,33 @@ def test_a_scene_file(tmp_path: Path) -> None:
     assert good("simulate", str(path)) == good("simulate", "fig9")
 
 
+def test_samples_are_a_csv_file(tmp_path: Path) -> None:
+    path = tmp_path / "motion.csv"
+    assert good("simulate", "fig5", "--samples", "41", "-o", str(path)) == good("simulate", "fig5")
+    header, *rows = path.read_text().splitlines()
+    assert header == "t,x,v,mode"
+    assert [float(row.split(",")[0]) for row in rows] == [float(t) for t in range(41)]
+    assert good("simulate", "fig5", "--samples", "41", "-o", "-") == path.read_text()
+    t, x, _, mode = rows[5].split(",")
+    assert float(x) == symosc.simulate("fig5")(5.0)[0]
+    assert mode == symosc.simulate("fig5").mode(float(t))
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--samples", "9"], "--samples needs --output FILE"),
+        (["-o", "motion.csv"], "--output needs --samples N"),
+        (["--samples", "1", "-o", "motion.csv"], "1 is not in the range"),
+        (["--samples", "9", "-o", "-", "--json"], "something else prints there already"),
+    ],
+)
+def test_samples_need_a_count_and_a_file(options: list[str], message: str) -> None:
+    found = run("simulate", "fig5", *options)
+    assert found.exit_code == 2
+    assert message in found.stderr
+
+
 # -- scenes and new
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import subprocess
 import sys
+import warnings
 from functools import cache
 from itertools import product
 from pathlib import Path
@@ -319,6 +320,14 @@ def test_a_figure_of_too_many_events_is_refused_at_once() -> None:
 
 
 # --- a style of one's own ---
+
+
+@pytest.mark.parametrize("t_end", ["1e-900", "1e-320"])
+def test_a_motion_too_short_for_doubles_is_drawn_without_a_warning(t_end: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        drawing = plot.figure("fig5", t_end=t_end)
+    assert len(drawing.axes) == 4
 
 
 def test_rcparams_hold() -> None:

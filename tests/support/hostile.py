@@ -202,6 +202,7 @@ VALID: dict[str, set[str]] = {
         "Sensitivities.__call__ t, Trajectory.__call__ t, Trajectory.mode t, Trajectory.force t",
         NUMBER | ROWS,
     ),
+    "Trajectory.samples times": ({"3", "array_0_whole", *ROWS} - {"[[]]", "array_0", "array_odd"}),
     **{f"MovedTrajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
     **{f"OtherModel.{way} {name}": NUMBER | ROWS for way in ("back", "forth") for name in "txv"},
     "GrazingWindow.contains theta": NUMBER | ROWS | {"1e51"},
@@ -276,6 +277,7 @@ CALLED = {
     ),
     "t0": ("t_end",),
     "subject": ("t_end",),
+    "times": ("t",),
     "t_m": ("theta",),
     "v": ("t", "lengths"),
     "v2": ("v1",),
@@ -529,6 +531,8 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "plot.save": (plot.save, {"drawing": m("drawing"), "path": "figure.png"}),
         "plot.score_figure": (plot.score_figure, {"scores": m("scores")}),
         "plot.window_figure": (plot.window_figure, {"windows": m("window"), "panels": "a"}),
+        "Trajectory.samples": (m("trajectory").samples, {"times": 3}),
+        "MotionSamples.to_csv": (m("trajectory").samples(3).to_csv, nowhere),
     }
 
 

@@ -25,6 +25,7 @@ from symosc.crosschecks.reading.names import (
     plain,
 )
 from symosc.crosschecks.samples import SAMPLE_COLUMNS
+from symosc.simulation.samples import MotionSamples
 from symosc.simulation.trajectory import Trajectory
 
 #: What times and states are called in the results of solvers.
@@ -169,10 +170,12 @@ def is_velocity(t: Any, x: Any, v: Any) -> bool:
 
 
 def as_table(source: Any) -> Record | None:
-    """Return a mapping, structured array, or table of pandas, polars, xarray or pyarrow as a table,
-    else None.
+    """Return a mapping, a structured array, samples of a motion, or a table of pandas, polars, xarray
+    or pyarrow as a table, else None.
     """
     package = type(source).__module__.partition(".")[0]
+    if isinstance(source, MotionSamples):
+        return source.columns()
     if isinstance(source, np.ndarray):
         if source.dtype.names is None:
             return None
