@@ -18,10 +18,9 @@ ABSTRACT = (
     r"their derivatives, grazing with all of its cases, an event search that misses nothing, the "
     r"one periodic motion that attracts, why there is no chaos, what motions do without a damper, "
     r"where the word of a motion changes: the maps, the multipliers and all points of "
-    r"codimension two, and what static friction above kinetic friction changes. It restates, "
-    r"proves and where needed corrects what is in the paper \cite{chen2016}: "
-    + paper_reference(r"\emph{{{}}}", "~", "--")
-    + "."
+    r"codimension two, and what changes with static friction above kinetic friction and with "
+    r"friction that depends on speed. It restates, proves and where needed corrects what is in "
+    r"the paper \cite{chen2016}: " + paper_reference(r"\emph{{{}}}", "~", "--") + "."
 )
 LEGEND = (
     "Each displayed formula was checked by machine before it was printed, and the letter behind "
@@ -176,6 +175,15 @@ $f$, $P$, $X$, $B$, $J$, $Y$, $D$, $E$, $R$, $C$, $q$, $a$, $b$, $N$ & in proofs
   stands: maps, boxes and matrices, helpers, points, periods & Chapter~\ref{sec:certificates} \\
 $\mu_{s\lambda}$, $E$, $\dot{F}_{s\lambda}$, $\tau_e$, $\tau_f$, $\tau_s$, $g_*$ & with static friction:
   coefficient, excess, rate, times & Chapter~\ref{sec:static_friction} \\
+$j$, $c_j$, $A_j$, $F^{(j)}$, $G^{(n,j)}$, $c_*$, $c_\infty$ & a band of velocities, its damping,
+  constant force, acceleration and G-functions; least and outermost damping &
+  Chapter~\ref{sec:friction_curves} \\
+$f_\lambda$, $p_\lambda$, $q_\lambda$, $\sigma_\lambda$, $s_\lambda$, $u$ & curve of belt
+  $\lambda$, one of its pieces, the side of the belt; static limit; speed of an edge &
+  Definition~\ref{thm:friction_curves-law} \\
+$h_{-}$, $Q$, $S$, $\ell_1$, $\ell_2$, $\hat{T}$, $d$, $N$ & in bands: growth, a measure of
+  transients, a time, roots, the bounded part of friction, the distance of a corner, a number of
+  mappings & Chapter~\ref{sec:friction_curves} \\
 """
 NOTATION = [
     tuple(part.strip() for part in row.split("&"))

@@ -56,7 +56,7 @@ PARAMETERS = {
     "h",
     "v_lambda",
 }
-PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa", "F"}
+PARAMETERS |= {r"\mu_\lambda", "a", r"\gamma", r"\kappa", "F", "c_j", "c_{j+1}"}
 #: Sums that the paper writes with mu_1 in front, and so with the other sign: mu_1 - mu_2 and mu_1 +
 #: mu_2.
 DRAGS = {solution.mu2 - solution.mu1, -solution.mu1 - solution.mu2}

@@ -19,6 +19,7 @@ from symosc.derive.chapters import (
     borders,
     domains,
     events,
+    friction_curves,
     maps,
     static_friction,
     switching,
@@ -97,6 +98,22 @@ def steps_with(module: ModuleType, label: str) -> list[Step]:
             (static_friction, "SIDE * EXCESS * late,", "-SIDE * EXCESS * late,", "saltation"),
             (static_friction, "least = EXCESS * tau -", "least = EXCESS * tau +", "least"),
             (static_friction, "second = -B0 * Omega**2", "second = -B0 * Omega", "length"),
+            (friction_curves, "slope * sp.Abs(relative)", "2 * slope * sp.Abs(relative)", "piece"),
+            (friction_curves, "Omega**counter * sp.cos", "Omega**counter * sp.sin", "recursion"),
+            (
+                friction_curves,
+                "change, -4 * RATE * speed**2, exact",
+                "change, -2 * RATE * speed**2, exact",
+                "energy",
+            ),
+            (friction_curves, "BEYOND = sp.Rational(5, 8)", "BEYOND = sp.Rational(9, 8)", "reach"),
+            (
+                friction_curves,
+                'named(r"|c_{*}|"): size,',
+                'named(r"|c_{*}|"): size / 2,',
+                "separation",
+            ),
+            (friction_curves, "inner = 4 * (_COUNT - 1)", "inner = 3 * (_COUNT - 1)", "labels"),
         )
     ],
 )

@@ -238,7 +238,7 @@ def test_command(tmp_path: Path) -> None:
     assert printed.stdout == document.as_latex(chapter("sticks"), Scope())
 
 
-@pytest.mark.parametrize("subject", ["static_friction", "P1"])
+@pytest.mark.parametrize("subject", ["static_friction", "friction_curves", "P1"])
 def test_a_scene_with_static_friction_is_refused_in_one_line(subject: str, tmp_path: Path) -> None:
     """Chapters have letters for two belts with kinetic friction."""
     scene = tmp_path / "mine.toml"

@@ -1,18 +1,22 @@
-"""What the chapters on events, c = 0, borders and codimension two say of motions, against motions of the package."""
+"""What chapters say of motions and friction, against motions of the package and other arithmetic."""
 
 from __future__ import annotations
 
 import itertools
 import random
 from fractions import Fraction
-from math import cos, floor, hypot, pi, sin, sqrt
+from math import cos, exp, floor, hypot, pi, sin, sqrt
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from samples import sample_of
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
-from symosc import Parameters, find_orbit, load_scene, simulate
+from symosc import Belt, Oscillator, Parameters, find_orbit, load_scene, simulate
+from symosc.derive import boundary_focus
 from symosc.derive.chapters import accumulation, codimension, corrections, orbits, undamped
 from symosc.orbits.floquet import rest_positions
 from symosc.words import cycle
@@ -217,3 +221,152 @@ def test_a_mass_rests_anywhere_on_a_belt_at_rest() -> None:
         assert path.events
         # It may creep there for ever.
         assert float(low) - 0.01 <= path(99.0)[0] <= float(high) + 0.01
+
+
+# --- friction that depends on speed ---
+
+
+def random_belt(dice: random.Random) -> Belt:
+    points = sorted({0, *(dice.randint(1, 40) for _ in range(dice.randint(1, 4)))})
+    curve = [(Fraction(w, 8), Fraction(dice.randint(0, 16), 16)) for w in points]
+    return Belt(
+        Fraction(dice.randint(-30, 30), 7), curve=curve, slope=Fraction(dice.randint(0, 4), 8)
+    )
+
+
+def friction_of(belt: Belt, v: Fraction) -> Fraction:
+    """Return the friction of a belt by the definition, at a velocity that is not the belt's."""
+    w = abs(v - belt.v)
+    points = belt.curve or ((Fraction(0), belt.mu),)
+    last, height = points[-1]
+    force = height + belt.slope * (w - last)
+    for (begin, high), (end, low) in itertools.pairwise(points):
+        if begin <= w <= end:
+            force = high + (low - high) * (w - begin) / (end - begin)
+    return -force if v > belt.v else force
+
+
+@pytest.mark.slow
+def test_a_law_contracts_if_and_only_if_friction_less_damping_never_grows() -> None:
+    """The criterion of the theorem, by the differences of the forces between many velocities."""
+    dice = random.Random(46)
+    contracting = 0
+    for seed in range(120):
+        belts = [random_belt(dice) for _ in range(dice.randint(1, 3))]
+        if len({belt.v for belt in belts}) < len(belts):
+            continue
+        p = Oscillator(m=1, c=Fraction(dice.randint(0, 12), 8), k=1, belts=belts)
+        speeds = sorted({edge.v for edge in p.edges})
+        inner = [low + (high - low) / 3 for low, high in itertools.pairwise(speeds)]
+        outer = [low + 2 * (high - low) / 3 for low, high in itertools.pairwise(speeds)]
+        v = sorted([*inner, *outer, speeds[0] - 1, speeds[0] - 2, speeds[-1] + 1, speeds[-1] + 2])
+        forces = [sum(friction_of(belt, u) for belt in belts) - p.c * u for u in v]
+        falls = all(before >= after for before, after in itertools.pairwise(forces))
+        assert falls == p.contracts, (seed, p)
+        contracting += falls
+    assert 20 < contracting < 100
+
+
+def random_flight(dice: random.Random) -> tuple[Any, np.ndarray, float, float, float]:
+    """Return the matrix of (v, dv, sin, cos), a start of it, and h, B0 and Omega, for m = 1."""
+    c = dice.uniform(-4, 4)
+    k = dice.choice([0, dice.uniform(0, 9), c * c / 4])
+    B0 = dice.uniform(0, 3)
+    Omega = dice.choice([dice.uniform(0.3, 4), sqrt(k) or 1])
+    u = dice.uniform(-2, 2)
+    # the second derivative of v is -c dv - k v - B0 Omega sin(theta)
+    matrix = np.zeros((4, 4))
+    matrix[0, 1] = 1
+    matrix[1] = -k, -c, -B0 * Omega, 0
+    matrix[2, 3] = Omega
+    matrix[3, 2] = -Omega
+    phase = dice.uniform(0, 2 * pi)
+    start = np.array([u, dice.uniform(-2, 2), sin(phase), cos(phase)])
+    return matrix, start, c / 2, B0, Omega
+
+
+def states(matrix: np.ndarray, start: np.ndarray, end: float) -> np.ndarray:
+    """Return the states at 60 times up to `end`, a column each."""
+    one_step = expm(matrix * end / 60)
+    path = [start]
+    for _ in range(60):
+        path.append(one_step @ path[-1])
+    return np.array(path).T
+
+
+@pytest.mark.slow
+def test_the_bounds_with_growth_hold_and_the_factor_is_needed() -> None:
+    """The fourth derivative of v over a stretch, by the matrix exponential, against both bounds of the theorem."""
+    dice = random.Random(46)
+    closest = 0.0
+    without_factor = 0.0
+    for _ in range(300):
+        matrix, start, h, B0, Omega = random_flight(dice)
+        k = -matrix[1, 0]
+        growth = max(-h, 0)
+        S = min(1 / Omega, 0.35 * 1.625 / growth) if growth else 1 / Omega
+        assert exp(2 * growth * S) < 4
+        fourth = np.linalg.matrix_power(matrix, 4)[0]
+        third = np.linalg.matrix_power(matrix, 3)[0]
+        largest = np.abs(fourth @ states(matrix, start, S)).max()
+        forced = hypot(fourth @ start, sqrt(k) * (third @ start)) + B0 * Omega**4 * S
+        assert largest <= exp(2 * growth * S) * forced * (1 + 1e-9)
+        closest = max(closest, largest / (exp(2 * growth * S) * forced))
+        without_factor = max(without_factor, largest / forced)
+        distance = complex(k - Omega**2, 2 * h * Omega)
+        if abs(distance) > 1e-3:
+            # the steady velocity is the imaginary part of `steady` times exp(i theta)
+            steady = -B0 * Omega / distance
+            wave = complex(start[3], start[2]) * steady
+            parts = [(wave * (1j * Omega) ** n).imag for n in (3, 4)]
+            transient = hypot(fourth @ start - parts[1], sqrt(k) * (third @ start - parts[0]))
+            bound = abs(steady) * Omega**4 + exp(2 * growth * S) * transient
+            assert largest <= bound * (1 + 1e-9)
+    assert closest > 0.5
+    assert without_factor > 1.2
+
+
+def test_a_touched_corner_changes_the_velocity_by_its_impulse() -> None:
+    """Bands with c = 0 and 1/2, m = k = 1, a free motion that goes beyond u = 3/2 by delta."""
+    with mpmath.workdps(50):
+        u = mpmath.mpf(3) / 2
+        delta = mpmath.mpf("1e-14")
+        half = mpmath.acos(u / (u + delta))
+        rate = (u + delta) * mpmath.sin(half)
+        h = mpmath.mpf(1) / 4
+        turn = mpmath.sqrt(1 - h * h)
+
+        def beyond(time: Any) -> Any:
+            sine = (rate + h * u) / turn * mpmath.sin(turn * time)
+            return mpmath.exp(-h * time) * (u * mpmath.cos(turn * time) + sine) - u
+
+        time = mpmath.findroot(beyond, 2 * half)
+        change = u - (u + delta) * mpmath.cos(time - half)
+        expected = -mpmath.mpf(4) / 3 * delta * mpmath.sqrt(2 * delta / u) / 2
+        assert abs(change / expected - 1) < 1e-6
+
+
+@pytest.mark.slow
+def test_the_cycle_at_a_corner_returns_and_repels() -> None:
+    """Runge-Kutta through both bands, without events: friction is continuous at a corner."""
+    cycle = boundary_focus.focus_by_closed_forms()
+    period = float(sum(cycle.times))
+    place = -float(cycle.start) - 0.1
+
+    def motion(_: float, state: Any) -> list[float]:
+        x, v = state
+        damper = 0.1 * min(v, 1) - 0.3 * max(v - 1, 0)
+        return [v, -x - damper]
+
+    def after(start: list[float], periods: int) -> Any:
+        run = solve_ivp(motion, (0, periods * period), start, rtol=1e-12, atol=1e-13, max_step=0.02)
+        return run.y
+
+    path = after([place, 1], 1)
+    assert path[:, -1] == pytest.approx([place, 1], abs=1e-6)
+    assert path[1].max() == pytest.approx(float(cycle.top), abs=1e-4)
+    small = 1e-4
+    moved = after([place * (1 + small), 1], 1)
+    assert abs(moved[0, -1] / place - 1) > 1.2 * small
+    assert np.abs(after([0.9 * place, 0.9], 12)[:, -1]).max() < 1
+    assert np.abs(after([1.1 * place, 1.1], 12)[:, -1]).max() > 3

@@ -25,4 +25,5 @@ CHAPTERS = {
     "errata": "errors and gaps of the paper",
     "certificates": "why each kind of certificate proves what it says",
     "static_friction": "static friction above kinetic friction, and which theorems remain",
+    "friction_curves": "friction that depends on speed, and which theorems remain",
 }

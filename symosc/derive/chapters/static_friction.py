@@ -322,7 +322,7 @@ def _first_slip_of_the_example() -> Any:
     return time
 
 
-def _bisected(is_before: Callable[[Any], bool], low: int, high: int) -> Any:
+def bisected(is_before: Callable[[Any], bool], low: int, high: int) -> Any:
     """Return where `is_before` changes from true to false, between two numbers."""
     before = CONTEXT.mpf(low)
     behind = CONTEXT.mpf(high)
@@ -344,7 +344,7 @@ def _first_slip_by_bisection() -> Any:
         spring = CONTEXT.mpf("0.5") + time
         return bool(drive - spring > -1)
 
-    return _bisected(is_held, 0, 2)
+    return bisected(is_held, 0, 2)
 
 
 def _counts() -> Items:
@@ -463,7 +463,7 @@ def _return_by_newton() -> Any:
 @cache
 def _return_by_bisection() -> Any:
     """Return the same, at the first change of sign of the velocity."""
-    return _bisected(lambda time: CONTEXT.sin(time) + time * CONTEXT.cos(time) > 0, 1, 3)
+    return bisected(lambda time: CONTEXT.sin(time) + time * CONTEXT.cos(time) > 0, 1, 3)
 
 
 def _saltation() -> Items:
