@@ -14,6 +14,7 @@ from .base.errors import ResultError as ResultError
 from .base.errors import SceneError as SceneError
 from .base.errors import SweepError as SweepError
 from .base.errors import SymoscError as SymoscError
+from .belts import Belt as Belt
 from .certificates.atlas import Atlas as Atlas
 from .certificates.atlas import atlas as atlas
 from .certificates.certificate import Certificate as Certificate
@@ -50,7 +51,6 @@ from .mappings.equations import parameter_jacobian as parameter_jacobian
 from .mappings.equations import residual as residual
 from .mappings.equations import solve_map as solve_map
 from .model import Band as Band
-from .model import Belt as Belt
 from .model import Edge as Edge
 from .model import Oscillator as Oscillator
 from .model import Parameters as Parameters

@@ -12,6 +12,7 @@ a domain consists of one band or more.
 
 from __future__ import annotations
 
+from bisect import bisect
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -152,13 +153,13 @@ class BeltNumbers(NamedTuple):
     slope: Any = 0
 
 
-#: The names of a belt's numbers; those of belt 1 are called v1, mu1 and mu_s1 wherever all numbers
-#: of an oscillator have names. The first two are required.
-BELT_NAMES = BeltNumbers._fields[: BeltNumbers._fields.index("curve")]
+#: The names of a belt's numbers without those of its curve. Those of belt 1 are called v1, mu1 and
+#: mu_s1 wherever all numbers of an oscillator have names. The first two are required.
+BELT_NAMES = tuple(name for name in BeltNumbers._fields if name not in ("curve", "slope"))
 REQUIRED_OF_BELT = tuple(name for name in BELT_NAMES if name not in BeltNumbers._field_defaults)
 
 
-class Line(NamedTuple):
+class StraightPiece(NamedTuple):
     """A piece of a belt's kinetic friction coefficient: mu + slope w from a relative speed `begin`
     on.
     """
@@ -168,14 +169,14 @@ class Line(NamedTuple):
     slope: Any
 
 
-def kinetic_lines(belt: BeltNumbers) -> list[Line]:
+def kinetic_lines(belt: BeltNumbers) -> list[StraightPiece]:
     """Return the straight pieces of a belt's kinetic friction, from the relative speed 0 on."""
     points = belt.curve or [(Fraction(0), belt.mu)]
     slopes = [(high - low) / (end - begin) for (begin, low), (end, high) in pairwise(points)]
-    lines = list[Line]()
+    lines = list[StraightPiece]()
     for (begin, mu), slope in zip(points, [*slopes, belt.slope], strict=True):
         if not lines or slope != lines[-1].slope:  # no corner between two pieces of one line
-            lines.append(Line(begin, mu - slope * begin, slope))
+            lines.append(StraightPiece(begin, mu - slope * begin, slope))
     return lines
 
 
@@ -264,13 +265,21 @@ class FrictionLaw:
         return 0
 
     @cached_property
+    def has_curves(self) -> bool:
+        """Whether the friction of a belt depends on the relative speed."""
+        return any(belt.curve or belt.slope for belt in self.belts)
+
+    @cached_property
     def is_plain(self) -> bool:
         """Whether one row of constants is enough: at most two belts, whose friction does not depend
         on the relative speed.
         """
-        return len(self.belts) <= len(TWO_BELTS.boundaries) and not any(
-            belt.curve or belt.slope for belt in self.belts
-        )
+        return len(self.belts) <= len(TWO_BELTS.boundaries) and not self.has_curves
+
+    @cached_property
+    def lines(self) -> list[list[StraightPiece]]:
+        """The straight pieces of the kinetic friction of each belt."""
+        return [kinetic_lines(belt) for belt in self.belts]
 
     @cached_property
     def edges(self) -> list[EdgeOfLaw]:
@@ -281,8 +290,8 @@ class FrictionLaw:
         }
         corners = {
             speed
-            for belt in self.belts
-            for line in kinetic_lines(belt)
+            for belt, lines in zip(self.belts, self.lines, strict=True)
+            for line in lines
             for speed in (belt.v - line.begin, belt.v + line.begin)
         }
         for speed in corners - found.keys():
@@ -294,12 +303,13 @@ class FrictionLaw:
     def rows(self) -> list[RowOfLaw]:
         """The rows of constants: one if the law is plain, else one for each band."""
         if self.is_plain:
-            below, *above = (
+            lower, *others = (
                 EdgeOfLaw(belt.v, 2 * self.kinetic(n), self.excess(n), n)
                 for n, belt in enumerate(self.belts, 1)
             )
+            upper = others[0] if others else None
             forces = (self.force(1), self.force(2), self.force(3))
-            return [RowOfLaw(None, forces, below, above[0] if above else None, 2)]
+            return [RowOfLaw(None, forces, lower, upper, 2)]
         edges = self.edges
         rows = []
         domain = 1
@@ -321,14 +331,14 @@ class FrictionLaw:
         """
         total_slope = Fraction(0)
         total_force = Fraction(0)
-        for belt in self.belts:
+        for belt, lines in zip(self.belts, self.lines, strict=True):
             if above is not None and above <= belt.v:  # the belt is faster, and drags forward
                 side = 1
                 nearest = belt.v - above
             else:
                 side = -1
                 nearest = below - belt.v
-            line = [line for line in kinetic_lines(belt) if line.begin <= nearest][-1]
+            line = lines[bisect(lines, nearest, key=lambda line: line.begin) - 1]
             total_slope += line.slope * self.FN
             total_force += (side * line.mu + line.slope * belt.v) * self.FN
         return total_slope, total_force

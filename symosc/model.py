@@ -11,21 +11,37 @@ explains the words that the code uses.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cached_property
-from itertools import count, pairwise
+from itertools import pairwise
 from math import sqrt
 from typing import Any, NamedTuple
 
 from symosc.base.aliases import NumberLike
-from symosc.base.arguments import NUMBER, public, require, require_or_none, sequence_of
+from symosc.base.arguments import NUMBER, public, require, require_or_none
 from symosc.base.errors import ParameterError, meant
-from symosc.base.exact import power_of_ten, show, whole_number
-from symosc.base.quantities import QUANTITIES, least, read_number
-from symosc.friction import BELT_NAMES, TWO_BELTS, BeltNumbers, FrictionLaw
+from symosc.base.exact import as_source, power_of_ten, show, whole_number
+from symosc.base.quantities import (
+    QUANTITIES,
+    NumberOfBelt,
+    check_range,
+    number_of_belt,
+    quantity_of,
+    read_number,
+)
+from symosc.belts import (
+    Belt,
+    belt_from,
+    belts_named,
+    check_order,
+    given_by_name,
+    numbers_by_name,
+    numbers_of_belt,
+    read_belts,
+)
+from symosc.friction import TWO_BELTS, BeltNumbers, FrictionLaw
 
 
 class Model:
@@ -49,8 +65,17 @@ class Model:
     def A(self, alpha: int) -> Fraction:
         """Return A_alpha, the constant force in domain `alpha` with friction included (eqs. (1),
         (5)).
+
+        Friction that depends on the speed is refused: it has no constant force in a whole domain.
         """
         alpha = whole_number("alpha", alpha, 1, len(self.law.domains))
+        if self.law.has_curves:
+            raise ParameterError(
+                "alpha",
+                alpha,
+                "the friction depends on the speed, so that no force is constant in a domain; "
+                "see `Oscillator.bands`",
+            )
         return self.A0 + self.law.force(alpha)
 
     @public
@@ -60,7 +85,7 @@ class Model:
 
     @public
     def friction(self, boundary: int) -> Fraction:
-        """Return mu FN, the kinetic friction of the belt at `boundary`."""
+        """Return mu FN, the kinetic friction of the belt at `boundary`, at the belt's speed."""
         return self.law.kinetic(self._number("boundary", boundary))
 
     def _number(self, name: str, boundary: int) -> int:
@@ -205,19 +230,7 @@ class Parameters(Model):
         return f"${terms}$"
 
     def __repr__(self) -> str:
-        return f"Parameters({', '.join(f'{name}={_source(value)}' for name, value in self.as_dict().items())})"
-
-
-def check_range(name: str, value: Fraction) -> None:
-    """Raise ParameterError if the parameter `name` may not have this value."""
-    lowest = least(name)
-    if lowest is None or value >= lowest:
-        return
-    if 0 < value < lowest:
-        allowed = f"at least {float(lowest):g}"
-    else:
-        allowed = QUANTITIES[name].allowed
-    raise ParameterError(name, show(value), f"must be {allowed}")
+        return f"Parameters({', '.join(f'{name}={as_source(value)}' for name, value in self.as_dict().items())})"
 
 
 def by_name(
@@ -241,137 +254,23 @@ class OtherNumbers(Model):
         self._law = FrictionLaw(belts, values["FN"])
 
 
-@dataclass(frozen=True, init=False, repr=False)
-class Belt:
-    """A belt that presses on the mass: its speed and its friction.
-
-    The mass sticks to the belt while the force that this needs is at most mu_s FN, and slides with
-    the friction mu FN. At equality it sticks for as long as it can.
-
-    Parameters
-    ----------
-    v : number
-        Speed of the belt; 0 is a wall.
-    mu : number
-        Kinetic coefficient of friction, >= 0. A belt with mu = mu_s = 0 is transparent.
-    curve : sequence of (w, mu), optional
-        The kinetic coefficient over the relative speed w = |v - v_belt|, from w = 0 on, linear
-        between its points; in place of `mu`.
-    slope : number, optional
-        How much it grows with w beyond the last point, >= 0.
-    mu_s : number, optional
-        Static coefficient of friction, >= mu. None: equal to mu.
-
-    Raises
-    ------
-    ParameterError
-        If a number is not finite or out of range; the message names it.
-
-    Examples
-    --------
-    >>> from symosc import Belt
-    >>> Belt("0.1", mu="2/5", mu_s="0.7")
-    Belt(0.1, mu=0.4, mu_s=0.7)
-    """
-
-    v: Fraction
-    mu: Fraction
-    mu_s: Fraction
-    curve: tuple[tuple[Fraction, Fraction], ...]
-    slope: Fraction
-
-    @public
-    def __init__(
-        self,
-        v: NumberLike,
-        mu: NumberLike | None = None,
-        *,
-        curve: Sequence[tuple[NumberLike, NumberLike]] | None = None,
-        slope: NumberLike = 0,
-        mu_s: NumberLike | None = None,
-    ) -> None:
-        require(NUMBER, v=v, slope=slope)
-        require_or_none(NUMBER, mu=mu, mu_s=mu_s)
-        if mu is not None and curve is not None:
-            raise ParameterError("curve", curve, "must be omitted if mu is given, or mu omitted")
-        points = _read_curve(curve)
-        if points:
-            mu = points[0][1]
-        if mu is None:
-            raise ParameterError("mu", None, "mu is required: the kinetic coefficient of friction")
-        object.__setattr__(self, "slope", read_number("slope", slope)[0])
-        if self.slope < 0:
-            raise ParameterError("slope", show(self.slope), "must be >= 0: friction may not vanish")
-        if self.slope > 0 and not points:
-            points = ((Fraction(0), read_number("mu", mu)[0]),)
-        object.__setattr__(self, "curve", points if self.slope or len(points) > 1 else ())
-        given = {"v": v, "mu": mu, "mu_s": mu if mu_s is None else mu_s}
-        for name, value in given.items():
-            object.__setattr__(self, name, read_number(name, value)[0])
-            check_range(name, getattr(self, name))
-        if self.mu_s < self.mu:
-            raise ParameterError(
-                "mu_s", show(self.mu_s), f"must be at least mu = {show(self.mu)}, or be omitted"
-            )
-
-    @public
-    def replace(self, **changes: NumberLike) -> Belt:
-        """Return a copy with some numbers changed; mu_s stays equal to mu where it was."""
-        for name, value in changes.items():
-            if name not in BELT_NAMES:
-                allowed = f"unknown number of a belt; choose from {', '.join(BELT_NAMES)}"
-                raise ParameterError(name, value, allowed + meant(name, BELT_NAMES))
-        return Belt(**self.as_given() | changes)
-
-    def as_given(self) -> dict[str, Any]:
-        """Return the numbers of which the belt is made; mu_s only where it differs from mu."""
-        numbers = {name: getattr(self, name) for name in BELT_NAMES}
-        if not self.has_static:
-            del numbers["mu_s"]
-        return numbers
-
-    @property
-    def has_static(self) -> bool:
-        """Whether static friction exceeds kinetic friction."""
-        return self.mu_s > self.mu
-
-    def _repr_latex_(self) -> str:
-        """Return the belt in the paper's letters, for notebooks."""
-        terms = r",\; ".join(
-            f"{QUANTITIES[name].letter} = {show(value)}" for name, value in self.as_given().items()
-        )
-        return f"${terms}$"
-
-    def __repr__(self) -> str:
-        speed, *others = (
-            f"{name}={_source(show(value))}" for name, value in self.as_given().items()
-        )
-        return f"Belt({', '.join([speed.removeprefix('v='), *others])})"
-
-
-def _read_curve(curve: Any) -> tuple[tuple[Fraction, Fraction], ...]:
-    """Return the points of a friction curve as exact numbers."""
-    if curve is None:
-        return ()
-    points = tuple(
-        (read_number("curve", w)[0], read_number("curve", mu)[0]) for w, mu in curve
-    )
-    return points
-
-
 class Edge(NamedTuple):
-    """A speed at which friction jumps, and what jumps there.
+    """A speed at which friction jumps, or its slope: that of a belt, or of a corner.
+
+    A corner is where a belt's friction curve has a point, on either side of the belt. The force is
+    continuous there, nothing sticks, and no event is reported.
 
     Attributes
     ----------
     v : Fraction
         The speed.
     J : Fraction
-        By how much the force below exceeds the force above: twice the kinetic friction of the belt.
+        By how much the force below exceeds the force above: twice the kinetic friction of the belt
+        at its speed; 0 at a corner.
     E : Fraction
-        By how much static friction exceeds kinetic friction.
+        By how much static friction exceeds kinetic friction; 0 at a corner.
     belts : tuple of int
-        The numbers of the belts with this speed.
+        The numbers of the belts with this speed; empty at a corner.
 
     Examples
     --------
@@ -379,6 +278,12 @@ class Edge(NamedTuple):
     >>> (edge,) = Oscillator(m=1, c=0, k=1, FN=2, belts=[Belt(3, mu="1/2", mu_s="3/4")]).edges
     >>> float(edge.v), float(edge.J), float(edge.E), edge.belts
     (3.0, 2.0, 0.5, (1,))
+
+    Friction that falls up to the relative speed 2 has corners at 1 and 5.
+
+    >>> falling = Oscillator(m=1, c=0, k=1, belts=[Belt(3, curve=[(0, "1/2"), (2, "1/4")])])
+    >>> [(float(edge.v), float(edge.J), edge.belts) for edge in falling.edges]
+    [(1.0, 0.0, ()), (3.0, 1.0, (1,)), (5.0, 0.0, ())]
     """
 
     v: Fraction
@@ -393,7 +298,8 @@ class Band(NamedTuple):
     Attributes
     ----------
     c, A : Fraction
-        Damping and constant force, friction included.
+        Damping and constant force, friction included. Where friction falls with the relative
+        speed, c is less than the damping of the oscillator, and may be negative.
     below, above : Fraction or None
         The speeds of the edges that bound the band; None where there is none.
 
@@ -403,6 +309,12 @@ class Band(NamedTuple):
     >>> bands = Oscillator(m=1, c=0, k=1, belts=[Belt(3, mu="1/2")]).bands
     >>> [(str(band.A), band.below, band.above) for band in bands]
     [('1/2', None, Fraction(3, 1)), ('-1/2', Fraction(3, 1), None)]
+
+    Friction that falls up to the relative speed 2 makes four bands.
+
+    >>> falling = Oscillator(m=1, c=0, k=1, belts=[Belt(3, curve=[(0, "1/2"), (2, "1/4")])])
+    >>> [(str(band.c), str(band.A)) for band in falling.bands]
+    [('0', '1/4'), ('-1/8', '1/8'), ('-1/8', '-7/8'), ('0', '-1/4')]
     """
 
     c: Fraction
@@ -411,6 +323,8 @@ class Band(NamedTuple):
     above: Fraction | None
 
 
+#: Notebooks show so many numbers of an oscillator, and messages so many names of them.
+MOST_TERMS = 60
 #: The numbers of an oscillator beside those of its belts.
 OSCILLATOR_NAMES = ("m", "c", "k", "A0", "B0", "Omega", "FN")
 #: A missing belt is replaced by one faster, by this factor, than the forces can make the mass in
@@ -420,13 +334,14 @@ FAR = 10**6
 
 @dataclass(frozen=True, init=False, repr=False)
 class Oscillator(Model):
-    """A mass between any number of belts, with static friction where belts have some.
+    """A mass between any number of belts, with static friction, and with friction that depends on
+    the relative speed, where belts have some.
 
         m x'' + c x' + k x = A0 + B0 cos(Omega t) + friction of the belts
 
-    Two belts without static friction make the oscillator of the paper, and the same answers as
-    `Parameters`. What cannot follow static friction, or another number of belts, refuses it in a
-    line that names the belt.
+    Two belts with mu alone make the oscillator of the paper, and the same answers as `Parameters`.
+    What cannot follow static friction, friction that depends on speed, or another number of belts,
+    refuses it in a line that names the belt.
 
     Parameters
     ----------
@@ -444,12 +359,12 @@ class Oscillator(Model):
     Attributes
     ----------
     bands : tuple of Band
-        The linear equations between the belts, from below.
+        The linear equations between the edges, from below.
     edges : tuple of Edge
-        The speeds at which friction jumps.
+        The speeds at which friction or its slope jumps: belts, and corners of their curves.
     contracts : bool
-        Whether any two motions approach each other, so that every theorem about one attracting
-        motion holds: so it is without static friction.
+        Whether no two motions move apart. Every theorem about one attracting motion needs E = 0 at
+        all belts, which is no static friction beyond the kinetic one, and c >= 0 in all bands.
     parameters : Parameters
         The oscillator as the paper's; ParameterError if it is another one. In place of a second
         belt there is one without friction, too fast to be met.
@@ -457,7 +372,8 @@ class Oscillator(Model):
     Raises
     ------
     ParameterError
-        If a number is out of range, if two belts have one speed, or Omega is missing.
+        If a number is out of range, if two belts have one speed, if two edges nearly coincide
+        (where friction depends on speed), or if Omega is missing.
 
     Examples
     --------
@@ -467,6 +383,15 @@ class Oscillator(Model):
     [('slip', '5.000000'), ('stick', '8.902605'), ('slip', '13.902605')]
     >>> stick_slip.contracts
     False
+
+    The numbers of belts have names, for `replace` and in sweeps: w1_1 and mu1_1 are the first point
+    of belt 1's curve after w = 0.
+
+    >>> falling = Oscillator(m=1, c=1, k=1, belts=[Belt(2, curve=[(0, 0.5), (1, 0.2)])])
+    >>> falling.replace(mu1_1=0.3, slope1=0.1).belts
+    (Belt(2, curve=[(0, 0.5), (1, 0.3)], slope=0.1),)
+    >>> float(falling.bands[1].c), falling.contracts
+    (0.7, True)
     """
 
     m: Fraction
@@ -497,8 +422,9 @@ class Oscillator(Model):
         for name in OSCILLATOR_NAMES:
             object.__setattr__(self, name, read_number(name, given[name])[0])
             check_range(name, getattr(self, name))
-        object.__setattr__(self, "belts", _read_belts(belts))
+        object.__setattr__(self, "belts", read_belts(belts))
         object.__setattr__(self, "has_free_clock", Omega is None)
+        _check_bands(self)
 
     def __hash__(self) -> int:
         kept: int | None = self.__dict__.get("_hash")
@@ -516,7 +442,7 @@ class Oscillator(Model):
         """Whether Omega is given, so that times may be counted in periods of the drive."""
         return not self.has_free_clock
 
-    @property
+    @cached_property
     def edges(self) -> tuple[Edge, ...]:
         """The speeds at which friction or its slope jumps, in order."""
         return tuple(
@@ -524,7 +450,7 @@ class Oscillator(Model):
             for edge in self.law.edges
         )
 
-    @property
+    @cached_property
     def bands(self) -> tuple[Band, ...]:
         """The linear equations between the edges, from below."""
         speeds = [None, *(edge.v for edge in self.law.edges), None]
@@ -536,7 +462,7 @@ class Oscillator(Model):
 
     @property
     def contracts(self) -> bool:
-        """Whether any two motions approach each other."""
+        """Whether no two motions move apart: E = 0 at all belts, and c >= 0 in all bands."""
         return not any(belt.has_static for belt in self.belts) and all(
             band.c >= 0 for band in self.bands
         )
@@ -556,7 +482,8 @@ class Oscillator(Model):
                 raise ParameterError(
                     "belts",
                     belt,
-                    f"friction of belt {n} that depends on speed cannot be followed here",
+                    f"friction of belt {n} that depends on speed (its curve or slope) cannot be "
+                    "followed here; give mu alone",
                 )
         if len(self.belts) > len(TWO_BELTS.boundaries):
             raise ParameterError(
@@ -581,24 +508,21 @@ class Oscillator(Model):
         )
 
     def numbers(self) -> dict[str, Fraction]:
-        """Return all parameters by name; those of belt 1 are called v1, mu1 and mu_s1, those of its
-        curve w1_1, mu1_1 and so on.
+        """Return all parameters by name.
+
+        Those of belt 1 are called v1, mu1 and mu_s1. If its friction depends on the relative speed,
+        mu1 is the coefficient at w = 0, the points after it are w1_1, mu1_1, w1_2 and so on, and
+        slope1 is the slope beyond the last of them.
         """
         numbers = {name: value for name, value in self._shared().items() if value is not None}
         for n, belt in enumerate(self.belts, 1):
-            numbers |= {f"{name}{n}": getattr(belt, name) for name in BELT_NAMES}
-            for i, (w, mu) in enumerate(belt.curve[1:], 1):
-                numbers |= {f"w{n}_{i}": w, f"mu{n}_{i}": mu}
-            if belt.curve:
-                numbers[f"slope{n}"] = belt.slope
+            numbers |= numbers_by_name(n, belt)
         return numbers
 
     def given_numbers(self) -> dict[str, Fraction]:
         """Return what `model_from` reads: all numbers but static coefficients equal to kinetic ones."""
         numbers: dict[str, Fraction] = {name: getattr(self, name) for name in OSCILLATOR_NAMES}
-        for n, belt in enumerate(self.belts, 1):
-            numbers |= {f"{name}{n}": value for name, value in belt.as_given().items()}
-        return numbers
+        return numbers | given_by_name(self.belts)
 
     def _shared(self) -> dict[str, Fraction | None]:
         """Return the numbers beside those of the belts, as they were given."""
@@ -611,110 +535,98 @@ class Oscillator(Model):
     def replace(self, **changes: Any) -> Oscillator:
         """Return a copy with some parameters changed: ``oscillator.replace(c="0.3", mu_s1=2)``.
 
-        The numbers of belts are called v1, mu1, mu_s1, v2 and so on; `belts` replaces all belts. A
-        belt without static friction keeps mu_s = mu if only its mu is changed.
+        The numbers of belts have the names of `numbers`: v1, mu1, mu_s1, v2 and so on, and mu1_2
+        or slope1 where friction depends on speed; `belts` replaces all belts. A belt without
+        static friction keeps mu_s = mu if only its mu is changed.
         """
         shared = self._shared()
-        belts: Any = _read_belts(changes.pop("belts", self.belts))
-        of_belts = dict[int, dict[str, Any]]()
+        belts = read_belts(changes.pop("belts", self.belts))
+        of_belts = given_by_name(belts)
+        known = dict[str, None]()
+        for n, belt in enumerate(belts, 1):
+            known |= dict.fromkeys([*numbers_by_name(n, belt), str(NumberOfBelt("slope", n))])
         for name, value in changes.items():
-            # mu_s1 is the number `mu_s` of belt 1
-            belt = name.rstrip("0123456789")
-            number = name[len(belt) :]
             if name in shared:
                 shared[name] = value
-            elif belt in BELT_NAMES and number and 1 <= int(number) <= len(belts):
-                of_belts.setdefault(int(number), {})[belt] = value
+            elif name in known:
+                of_belts[name] = value
             else:
-                known = (*self.numbers(), "belts")
-                allowed = f"unknown parameter; choose from {', '.join(known)}"
-                raise ParameterError(name, value, allowed + meant(name, known))
-        changed = []
-        for n, belt in enumerate(belts, 1):
-            with _named_after_belt(n):
-                changed.append(belt.replace(**of_belts.get(n, {})))
-        _check_order(changed)
+                names = (*self._shared(), *known, "belts")
+                allowed = f"unknown parameter; choose from {_some(names)}"
+                raise ParameterError(name, value, allowed + meant(name, names))
+        changed = [belt_from(n, of_belts) for n in range(1, len(belts) + 1)]
+        check_order(changed)
         return Oscillator(**shared, belts=changed)
 
     def _repr_latex_(self) -> str:
         """Return the parameters in the paper's letters, for notebooks."""
-        letters = {name: QUANTITIES[name].letter for name in OSCILLATOR_NAMES}
-        for n in range(1, len(self.belts) + 1):
-            letters |= {f"v{n}": f"v_{n}", f"mu{n}": rf"\mu_{n}", f"mu_s{n}": rf"\mu_{{s,{n}}}"}
         shown = self.given_numbers()
-        terms = r",\; ".join(
-            f"{letters[name]} = {text}" for name, text in self.as_dict().items() if name in shown
-        )
-        return f"${terms}$"
+        terms = [
+            f"{quantity_of(name).letter} = {text}"
+            for name, text in self.as_dict().items()
+            if name in shown
+        ]
+        if len(terms) > MOST_TERMS:
+            terms = [*terms[:MOST_TERMS], r"\ldots"]
+        joined = r",\; ".join(terms)
+        return f"${joined}$"
 
     def __repr__(self) -> str:
         numbers = ", ".join(
-            f"{name}={_source(show(value))}"
+            f"{name}={as_source(show(value))}"
             for name, value in self._shared().items()
             if value is not None
         )
         return f"Oscillator({numbers}, belts={list(self.belts)!r})"
 
 
-def belts_named(names: Collection[str]) -> int:
-    """Return how many belts the names v1, v2 and so on among `names` are of."""
-    return next(n for n in count() if f"v{n + 1}" not in names)
-
-
-def numbers_of_belt(number: int, values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of one belt by their names without its number."""
-    names = {name: f"{name}{number}" for name in BELT_NAMES}
-    return {name: values[numbered] for name, numbered in names.items() if numbered in values}
-
-
 def model_from(numbers: Mapping[str, Any]) -> Model:
     """Return `Parameters` or an `Oscillator` from numbers by the names of `Model.numbers`."""
     if set(numbers) == set(PARAMETER_NAMES):
         return Parameters(**numbers)
-    belts = []
-    for n in range(1, belts_named(numbers) + 1):
-        with _named_after_belt(n):
-            belts.append(Belt(**numbers_of_belt(n, numbers)))
-    _check_order(belts)
+    belts = [belt_from(n, numbers) for n in range(1, belts_named(numbers) + 1)]
+    check_order(belts)
     shared = {name: numbers[name] for name in OSCILLATOR_NAMES if name in numbers}
-    return Oscillator(**shared, belts=belts)
+    oscillator = Oscillator(**shared, belts=belts)
+    known = oscillator.numbers()
+    for name in numbers:
+        of_belt = number_of_belt(name)
+        # a slope 0 of constant friction is no number of the oscillator
+        if name not in known and of_belt is not None and of_belt.quantity != "slope":
+            raise ParameterError(name, numbers[name], "is a number of no belt, or of no point")
+    return oscillator
 
 
-def _check_order(belts: Sequence[Belt]) -> None:
-    """Raise ParameterError unless the speeds v1, v2 and so on increase."""
-    for n, (lower, upper) in enumerate(pairwise(belts), 1):
-        if lower.v >= upper.v:
-            raise ParameterError(
-                f"v{n}", show(lower.v), f"must be less than v{n + 1} = {show(upper.v)}"
+def _some(names: Sequence[str]) -> str:
+    """Return names for a message, of very many the first ones."""
+    if len(names) <= MOST_TERMS:
+        return ", ".join(names)
+    return f"{', '.join(names[:MOST_TERMS])} and so on"
+
+
+#: The narrowest band of velocities, as a part of the largest speed of an edge.
+LEAST_BAND = Fraction(1, 10**9)
+
+
+def _check_bands(oscillator: Oscillator) -> None:
+    """Raise ParameterError if two edges of a law that depends on speed nearly coincide."""
+    law = oscillator.law
+    if law.is_plain:
+        return
+    edges = law.edges
+    least = LEAST_BAND * max(abs(edge.v) for edge in edges)
+    for below, above in pairwise(edges):
+        if above.v - below.v < least:
+            names = " and ".join(
+                f"belt {edge.belt}" if edge.belt else f"a corner at {show(edge.v)}"
+                for edge in (below, above)
             )
-
-
-@contextmanager
-def _named_after_belt(n: int) -> Iterator[None]:
-    """Call the numbers of belt n v1, mu1 and so on in a ParameterError."""
-    try:
-        yield
-    except ParameterError as error:
-        raise ParameterError(f"{error.name}{n}", error.value, error.allowed) from None
-
-
-def _read_belts(belts: Any) -> tuple[Belt, ...]:
-    """Return belts in order of their speeds."""
-    if isinstance(belts, Belt):
-        belts = (belts,)
-    require(sequence_of(Belt), belts=belts)
-    if not belts:
-        raise ParameterError("belts", belts, "must have at least one Belt")
-    in_order = tuple(sorted(belts, key=lambda belt: belt.v))
-    for n, (lower, upper) in enumerate(pairwise(in_order), 1):
-        if lower.v == upper.v:
             raise ParameterError(
                 "belts",
-                upper,
-                f"belts {n} and {n + 1} both have the speed {show(upper.v)}; make them one belt, "
-                "with the sum of their coefficients",
+                list(oscillator.belts),
+                f"{names} are {float(above.v - below.v):.3g} apart, less than 1e-9 of the largest "
+                "speed; give both the same speed, or move them apart",
             )
-    return in_order
 
 
 def out_of_reach(
@@ -734,18 +646,6 @@ def out_of_reach(
         pace = Omega
     reached = forces / (m * pace) + speeds
     return slowest + FAR * Fraction(10) ** power_of_ten(reached or Fraction(1))
-
-
-def _source(text: str) -> str:
-    """Return a number's text as Python source for `Parameters`: in quotes if a float would not read
-    as that number.
-    """
-    # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits,
-    # stays text.
-    exact = "/" not in text and Fraction(str(float(text))) == Fraction(text)
-    if exact:
-        return text
-    return repr(text)
 
 
 PARAMETER_NAMES = tuple(field.name for field in fields(Parameters))

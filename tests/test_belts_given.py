@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Callable
 from fractions import Fraction
@@ -17,6 +18,8 @@ from symosc.scenes import as_toml, load_template, read_scene, template_names
 
 FREE: Any = {"m": 1, "c": 0, "k": 1}
 PULLED = Oscillator(**FREE, belts=[Belt("1/5", mu="1/2", mu_s=1)])
+FALLING = Belt(1, curve=[(0, "1/2"), ("1/2", "1/4")])
+CURVED = Oscillator(**FREE, belts=[FALLING])
 FIG9 = load_scene("fig9").parameters
 
 #: Columns by name, with belt 1 faster than belt 2.
@@ -29,8 +32,6 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
     "no mu": (lambda: Belt(1), "mu", "required"),
     "mu_s alone": (lambda: Belt(1, mu_s=1), "mu", "required"),
     "mu and curve": (lambda: Belt(1, mu=1, curve=[(0, 1)]), "curve", "omitted"),
-    "a curve": (lambda: Belt(1, curve=[(0, 1)]), "curve", "cannot be solved yet"),
-    "a slope": (lambda: Belt(1, mu=1, slope=1), "slope", "cannot be solved yet"),
     "a speed in words": (lambda: Belt("fast", mu=1), "v", "give a number"),
     "nan": (lambda: Belt(float("nan"), mu=1), "v", "finite"),
     "an endless mu_s": (lambda: Belt(1, mu=1, mu_s=float("inf")), "mu_s", "finite"),
@@ -93,6 +94,163 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
     ),
     "no end": (lambda: symosc.simulate(PULLED), "t_end", "you pass an Oscillator"),
     "the force above two domains": (lambda: PULLED.A(3), "alpha", "from 1 to 2"),
+    # -- friction that depends on speed
+    "a number for a curve": (
+        lambda: Belt(1, curve=0.4),
+        "curve",
+        "must be points (w, mu), such as",
+    ),  # type: ignore[arg-type]
+    "text for a curve": (lambda: Belt(1, curve="0, 0.4"), "curve", "must be points"),
+    "an empty curve": (lambda: Belt(1, curve=[]), "curve", "must be points"),
+    "an empty array": (lambda: Belt(1, curve=np.zeros((0, 2))), "curve", "must be points"),
+    "a curve without speeds": (lambda: Belt(1, curve=[0.4, 0.3]), "curve", "must be points"),
+    "points of three numbers": (lambda: Belt(1, curve=[(0, 1, 2)]), "curve", "must be points"),
+    "a dict for a curve": (lambda: Belt(1, curve={0: 0.4}), "curve", "must be points"),
+    "columns for a curve": (
+        lambda: Belt(1, curve=([0, 1, 2], [0.4, 0.3, 0.2])),
+        "curve",
+        "make them of columns by zip(w, mu)",
+    ),
+    "columns in an array": (
+        lambda: Belt(1, curve=np.array([[0, 1, 2], [0.4, 0.3, 0.2]])),
+        "curve",
+        "zip(w, mu)",
+    ),
+    "a function for mu": (lambda: Belt(1, mu=abs), "mu", "Belt.from_function"),
+    "a function for a curve": (lambda: Belt(1, curve=abs), "curve", "Belt.from_function"),  # type: ignore[arg-type]
+    "a curve that begins late": (
+        lambda: Belt(1, curve=[(0.1, 0.4), (1, 0.3)]),
+        "curve",
+        "w of the point (0.1, 0.4) must be 0 at the first point",
+    ),
+    "both sides of a belt": (
+        lambda: Belt(1, curve=[(-1, 0.3), (0, 0.4), (1, 0.3)]),
+        "curve",
+        "w of the point (-1, 0.3) must be >= 0",
+    ),
+    "speeds out of order": (
+        lambda: Belt(1, curve=[(0, 0.4), (1, 0.3), (0.5, 0.2)]),
+        "curve",
+        "w of the point (0.5, 0.2) must be greater than 1, that of the point before",
+    ),
+    "friction that jumps": (
+        lambda: Belt(1, curve=np.array([(0, 0.4), (1, 0.3), (1, 0.2)])),
+        "curve",
+        "w of the point (1.0, 0.2) must be greater than 1",
+    ),
+    "static friction as a point": (
+        lambda: Belt(1, curve=[(0, 0.6), (0, 0.4), (1, 0.3)]),
+        "curve",
+        "static friction is given by mu_s",
+    ),
+    "negative friction": (
+        lambda: Belt(1, curve=[(0, 0.4), (1, -0.1)]),
+        "curve",
+        "mu of the point (1, -0.1) must be >= 0",
+    ),
+    "a coefficient in words": (
+        lambda: Belt(1, curve=[(0, 0.4), (1, "less")]),
+        "curve",
+        "mu of the point (1, 'less'): give a number",
+    ),
+    "no coefficient": (
+        lambda: Belt(1, curve=[(0, 0.4), (1, None)]),
+        "curve",
+        "mu of the point (1, None) must be a number",
+    ),
+    "nan in a curve": (
+        lambda: Belt(1, curve=np.array([(0, 0.4), (1, np.nan)])),
+        "curve",
+        "mu of the point (1.0, nan) must be finite",
+    ),
+    "a masked curve": (
+        lambda: Belt(1, curve=np.ma.masked_greater([[0, 0.4], [1, 9.0]], 5)),
+        "curve",
+        "masked",
+    ),
+    "a curve without an end": (
+        lambda: Belt(1, curve=((w, 1) for w in itertools.count())),
+        "curve",
+        "at most 10001 points",
+    ),
+    "a slope below 0": (lambda: Belt(1, curve=[(0, 1)], slope=-1), "slope", "must be >= 0"),
+    "a slope below 0 of mu": (lambda: Belt(1, mu=1, slope=-1), "slope", "must be >= 0"),
+    "a slope alone": (lambda: Belt(1, slope=1), "mu", "required, or a curve"),
+    "a slope in words": (lambda: Belt(1, mu=1, slope="up"), "slope", "give a number"),
+    "mu_s below a curve": (
+        lambda: Belt(1, curve=[(0, 0.4), (1, 0.2)], mu_s=0.3),
+        "mu_s",
+        "must be at least mu = 0.4 of the curve at w = 0, or be omitted",
+    ),
+    "mu with a new curve": (
+        lambda: Belt(1, mu=1).replace(mu=2, curve=[(0, 1)]),
+        "curve",
+        "omitted",
+    ),
+    "a negative mu of a curve": (lambda: FALLING.replace(mu=-1), "mu", "must be >= 0"),
+    "a curve in words": (lambda: FALLING.replace(curve="less"), "curve", "must be points"),
+    "edges that nearly coincide": (
+        lambda: Oscillator(**FREE, belts=[FALLING, Belt("1.5000000001", mu=1)]),
+        "belts",
+        "a corner at 1.5 and belt 2 are 1e-10 apart, less than 1e-9 of the largest speed",
+    ),
+    "a narrow piece": (
+        lambda: Oscillator(**FREE, belts=[Belt(9, curve=[(0, 1), ("1e-9", 0), (1, 1)])]),
+        "belts",
+        "a corner at 8.999999999 and belt 1 are 1e-09 apart",
+    ),
+    "a point that is not there": (lambda: CURVED.replace(mu1_2=1), "mu1_2", "did you mean mu1_1"),
+    "a point of a belt without a curve": (lambda: PULLED.replace(w1_1=1), "w1_1", "unknown"),
+    "a negative point": (lambda: CURVED.replace(mu1_1=-1), "mu1_1", "must be >= 0"),
+    "a point at the belt": (lambda: CURVED.replace(w1_1=0), "w1_1", "must be greater than 0"),
+    "a point in words": (lambda: CURVED.replace(w1_1="far"), "w1_1", "give a number"),
+    "a negative slope1": (lambda: CURVED.replace(slope1=-1), "slope1", "must be >= 0"),
+    "the paper's law of a curve": (
+        lambda: CURVED.parameters,
+        "belts",
+        "friction of belt 1 that depends on speed (its curve or slope) cannot be followed here",
+    ),
+    "one force of a curve": (lambda: CURVED.A(1), "alpha", "the friction depends on the speed"),
+    # -- a function for a curve
+    "a number for a function": (
+        lambda: Belt.from_function(1, 0.4, 2),  # type: ignore[arg-type]
+        "mu",
+        "must be a function of one number",
+    ),
+    "a function of two numbers": (
+        lambda: Belt.from_function(1, lambda v, w: 1, 2),  # type: ignore[arg-type,misc]
+        "mu",
+        "must be a function of one number",
+    ),
+    "a function that fails": (
+        lambda: Belt.from_function(1, lambda w: 1 / w, 2),
+        "mu",
+        "fails at w = 0 with ZeroDivisionError: ",
+    ),
+    "a function that is negative": (
+        lambda: Belt.from_function(1, lambda w: 1 - w, 2, pieces=4),
+        "mu",
+        "its value -0.5 at w = 1.5 must be >= 0",
+    ),
+    "a function of nothing": (
+        lambda: Belt.from_function(1, lambda w: None, 2),
+        "mu",
+        "its value None at w = 0 must be a number",
+    ),
+    "a function with a pole": (
+        lambda: Belt.from_function(1, lambda w: np.inf if w == 1 else 1, 2),
+        "mu",
+        "its value inf at w = 1 must be finite",
+    ),
+    "no range": (lambda: Belt.from_function(1, abs, 0), "until", "must be > 0"),
+    "a range in words": (lambda: Belt.from_function(1, abs, "far"), "until", "give a number"),
+    "no pieces": (lambda: Belt.from_function(1, abs, 1, pieces=0), "pieces", "from 1 to 10000"),
+    "half a piece": (lambda: Belt.from_function(1, abs, 1, pieces=2.5), "pieces", "whole number"),  # type: ignore[arg-type]
+    "static below a function": (
+        lambda: Belt.from_function(1, lambda w: 1, 1, mu_s=0.5),
+        "mu_s",
+        "at least mu = 1",
+    ),
     "static friction of Parameters": (lambda: FIG9.replace(mu_s1=1), "mu_s1", "unknown"),
 }
 
@@ -137,7 +295,7 @@ WRONG_FILES = {
     "mu_s below mu": (("mu_s = 1", "mu_s = 0.1"), "(scene mine.toml, line 12, table 2 of [[belts]])"),
     "negative": (("mu = 0.5\n[[", "mu = -1\n[["), "line 8, table 1 of [[belts]]"),
     "in words": (("v = 2\n", 'v = "fast"\n'), "line 7, table 1 of [[belts]]"),
-    "a curve": (("mu = 0.5\n[[", "curve = [[0, 1]]\n[["), "cannot be solved yet"),
+    "a late curve": (("mu = 0.5\n[[", "curve = [[1, 1]]\n[["), "must be 0 at the first point (mine.toml, line 8, "),
     "mu and a curve": (("mu = 0.5\n[[", "mu = 1\ncurve = [[0, 1]]\n[["), "curve"),
     "equal speeds": (('v = "2.5 cm/s"', "v = 2"), "both have the speed 2"),
     "a drive without Omega": (("k = 1", "k = 1\nB0 = 1"), "Omega is required unless B0 = 0"),
@@ -172,6 +330,7 @@ def test_a_wrong_file_of_belts_is_refused_with_its_place(wrong: str) -> None:
         read_scene(text, "mine.toml")
     assert said is not None
     assert said.removeprefix("(scene ").rstrip(")") in str(caught.value)
+    assert str(caught.value).count("mine.toml") == 1
     assert "\n" not in str(caught.value)
 
 

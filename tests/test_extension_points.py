@@ -94,12 +94,12 @@ def test_a_property_of_a_belt(scratch: Scratch) -> None:
     scratch.replace(law, "    mu_s: Any = None\n", "    mu_s: Any = None\n    share: Any = 1\n")
     scratch.replace(law, "    return belt.mu\n", "    return belt.mu * belt.share\n")
     scratch.replace(law, "    return belt.mu_s\n", "    return belt.mu_s * belt.share\n")
-    model = "symosc/model.py"
+    model = "symosc/belts.py"
     scratch.replace(model, "    mu_s: Fraction\n\n", "    mu_s: Fraction\n    share: Fraction\n\n")
     scratch.replace(
         model,
-        "        mu_s: NumberLike | None = None,\n    )",
-        "        mu_s: NumberLike | None = None,\n        share: NumberLike = 1,\n    )",
+        "        mu_s: NumberLike | None = None,\n    ) -> None",
+        "        mu_s: NumberLike | None = None,\n        share: NumberLike = 1,\n    ) -> None",
     )
     scratch.replace(
         model,

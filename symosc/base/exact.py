@@ -282,3 +282,15 @@ def show(value: Fraction) -> str:
         return f"{number:f}"
     first, *rest = map(str, digits)
     return f"{'-' * sign}{first}{'.' * bool(rest)}{''.join(rest)}e{number.adjusted()}"
+
+
+def as_source(text: str) -> str:
+    """Return a number's text as Python source: in quotes if a float would not read
+    as that number.
+    """
+    # A float is read as the decimal that it prints as; a fraction, or a decimal with more digits,
+    # stays text.
+    exact = "/" not in text and Fraction(str(float(text))) == Fraction(text)
+    if exact:
+        return text
+    return repr(text)

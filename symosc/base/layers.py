@@ -10,6 +10,7 @@ from __future__ import annotations
 LAYERS: tuple[tuple[str, ...], ...] = (
     ("base",),
     ("friction",),
+    ("belts",),
     ("model",),
     ("words", "reductions"),
     ("scenes",),

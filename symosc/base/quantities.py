@@ -17,7 +17,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from symosc.base.errors import ParameterError, optional
-from symosc.base.exact import NOT_FINITE, NUMBER, SMALLEST, read_exact
+from symosc.base.exact import NOT_FINITE, NUMBER, SMALLEST, read_exact, show
 from symosc.base.expressions import ExactPhase, enclosed, evaluated
 
 
@@ -46,10 +46,14 @@ QUANTITIES = {
     "mu1": Quantity("friction coefficient of belt 1", "1", r"\mu_1", ">= 0"),
     "mu2": Quantity("friction coefficient of belt 2", "1", r"\mu_2", ">= 0"),
     "FN": Quantity("normal force", "force", "F_N", ">= 0"),
-    # of any belt (`symosc.model.Belt`)
+    # of any belt (`symosc.belts.Belt`)
     "v": Quantity("speed of a belt", "length/time", "v"),
     "mu": Quantity("kinetic coefficient of friction", "1", r"\mu", ">= 0"),
     "mu_s": Quantity("static coefficient of friction", "1", r"\mu_s", ">= 0"),
+    "w": Quantity("relative speed of a belt", "length/time", "w", ">= 0"),
+    "slope": Quantity(
+        "slope of friction beyond the curve of a belt", "time/length", r"\mu'", ">= 0"
+    ),
     "mu_s1": Quantity("static coefficient of belt 1", "1", r"\mu_{s,1}", ">= 0"),
     "mu_s2": Quantity("static coefficient of belt 2", "1", r"\mu_{s,2}", ">= 0"),
     "t0": Quantity("start time", "time", "t_0"),
@@ -69,9 +73,16 @@ QUANTITIES = {
 }
 
 
-def least(name: str) -> Fraction | None:
-    """Return the smallest value that a quantity may have; None if it may be negative."""
-    return {"> 0": SMALLEST, ">= 0": Fraction(0)}.get(QUANTITIES[name].allowed)
+def check_range(name: str, value: Fraction) -> None:
+    """Raise ParameterError if the parameter `name` may not have this value."""
+    lowest = least(name)
+    if lowest is None or value >= lowest:
+        return
+    if 0 < value < lowest:
+        allowed = f"at least {float(lowest):g}"
+    else:
+        allowed = quantity_of(name).allowed
+    raise ParameterError(name, show(value), f"must be {allowed}")
 
 
 #: The unit of each dimension in scene files where a number has one; plain numbers of such a file
@@ -79,21 +90,66 @@ def least(name: str) -> Fraction | None:
 UNITS = {
     "mass": "kg", "mass/time": "kg/s", "mass/time^2": "N/m", "force": "N", "angle/time": "rad/s", "length/time": "m/s",
     "1": "1", "time": "s", "length": "m", "angle": "rad", "length/time^2": "m/s^2",
+    "time/length": "s/m",
 }  # fmt: skip
 
 
-def _quantity(name: str) -> Quantity:
-    """Return the `Quantity` called `name`.
-
-    An index after the name, as in "Omega[3]", is ignored, and so is the number of a belt.
+class NumberOfBelt(NamedTuple):
+    """What the name of a belt's number says, such as mu1_2: the `quantity` mu, of belt 1 (`belt`),
+    at the point 2 of its friction curve (`point`; 0: at the belt's speed).
     """
-    parameter, _, _ = name.partition("[")  # of a cell, such as "Omega[3]"
-    return QUANTITIES.get(parameter) or QUANTITIES[parameter.rstrip("0123456789")]
+
+    quantity: str
+    belt: int
+    point: int = 0
+
+    def __str__(self) -> str:
+        if self.point:
+            return f"{self.quantity}{self.belt}_{self.point}"
+        return f"{self.quantity}{self.belt}"
+
+
+_NUMBER_OF_BELT = re.compile(r"([a-z_]+)([1-9]\d*)(?:_([1-9]\d*))?", re.ASCII)
+
+
+def number_of_belt(name: str) -> NumberOfBelt | None:
+    """Return what the name of a belt's number says; None if it cannot be one."""
+    read = _NUMBER_OF_BELT.fullmatch(name)
+    if read is None:
+        return None
+    quantity, belt, point = read.groups(default="0")
+    return NumberOfBelt(quantity, int(belt), int(point))
+
+
+def quantity_of(name: str) -> Quantity:
+    """Return the `Quantity` called `name`, which may be that of a belt's number, such as mu1_2.
+
+    An index after the name, as in "Omega[3]", is ignored.
+    """
+    name, _, _ = name.partition("[")  # of a cell, such as "Omega[3]"
+    number = number_of_belt(name)
+    if name in QUANTITIES or number is None:
+        return QUANTITIES[name]
+    quantity = QUANTITIES[number.quantity]
+    meaning = f"{quantity.meaning.removesuffix(' of a belt')} of belt {number.belt}"
+    indices = f"{number.belt}"
+    if number.point:
+        meaning += f", point {number.point} of its curve"
+        indices += f",{number.point}"
+    letter, _, index = quantity.letter.partition("_")
+    if index:
+        indices = f"{index},{indices}"
+    return quantity._replace(meaning=meaning, letter=f"{letter}_{{{indices}}}")
+
+
+def least(name: str) -> Fraction | None:
+    """Return the smallest value that a quantity may have; None if it may be negative."""
+    return {"> 0": SMALLEST, ">= 0": Fraction(0)}.get(quantity_of(name).allowed)
 
 
 def unit_of(name: str) -> str:
     """Return the unit of a parameter or start value."""
-    return UNITS[_quantity(name).dimension]
+    return UNITS[quantity_of(name).dimension]
 
 
 def read_number(name: str, value: Any) -> tuple[Fraction, bool]:
@@ -196,7 +252,7 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
     """
     parts = _QUANTITY.fullmatch(text)
     own_unit = unit_of(name)
-    meaning = _quantity(name).meaning
+    meaning = quantity_of(name).meaning
     is_pure = own_unit == "1"
     if is_pure:
         allowed = f"{name} is the {meaning}, a number without a unit"

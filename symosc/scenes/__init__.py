@@ -501,13 +501,14 @@ def read_scene(text: str, where: str) -> Scene:
     """
     file = read_scene_file(text, where)
     data = file.data
+    belts = _read_belts(file)
     try:
         numbers = data["parameters"]
         problem: OtherModel | Model
         if "model" in data:
             problem = OtherModel(**numbers, **data["model"])
-        elif "belts" in data:
-            problem = Oscillator(**numbers, belts=_read_belts(file))
+        elif belts:
+            problem = Oscillator(**numbers, belts=belts)
         else:
             problem = Parameters(**numbers)
         return Scene(
@@ -528,7 +529,7 @@ def read_scene(text: str, where: str) -> Scene:
 def _read_belts(file: SceneFile) -> list[Belt]:
     """Return the belts of a file; the message of an error says which table is meant."""
     belts = []
-    for n, numbers in enumerate(file.data["belts"]):
+    for n, numbers in enumerate(file.data.get("belts", ())):
         try:
             belts.append(Belt(**numbers))
         except ParameterError as error:

@@ -19,7 +19,7 @@ import numpy as np
 
 from symosc.base.errors import ParameterError
 from symosc.base.exact import LARGEST, scalar_of, show, unmasked
-from symosc.base.quantities import forcing_periods, read_number
+from symosc.base.quantities import forcing_periods, least, read_number
 from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.batch import Batch, batch_of
 from symosc.engine.flow import ConstantRows, TableLoops, constant_table, table_of
@@ -34,7 +34,6 @@ from symosc.model import (
     Model,
     Parameters,
     belts_named,
-    least,
     model_from,
 )
 from symosc.scenes import START_NAMES, check_periods

@@ -187,6 +187,9 @@ VALID: dict[str, set[str]] = {
         NUMBER,
     ),
     **_each("Belt v, Belt mu, Belt mu_s, Belt.replace mu, Oscillator.replace mu_s1", NUMBER),
+    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s, until", NUMBER),
+    "Belt.from_function mu": {"lambda"},
+    "pieces": {"3", "array_0_whole"},
     **_each("g, angle, atlas prove, atlas seconds, grazing_start periods", NUMBER),
     **_each("Scene start_error, simulate_many skip", NUMBER | {"array_0"}),
     **_each("theorem7 gamma, theorem7 amplitude", NUMBER | {"symbol"}),
@@ -443,6 +446,11 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Belt.replace": (belt.replace, {"mu": "1/3"}),
         "Oscillator": (s.Oscillator, law),
         "Oscillator.replace": (s.Oscillator(**law).replace, {"m": 1, "mu_s1": 2}),
+        "Belt curve": (s.Belt, {"v": 1, "curve": [(0, 1), (1, "1/2")], "slope": 1}),
+        "Belt.from_function": (
+            s.Belt.from_function,
+            {"v": 1, "mu": lambda w: 1, "until": 2, "pieces": 3, "mu_s": 2},
+        ),
     }
 
 
