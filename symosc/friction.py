@@ -88,9 +88,28 @@ class Geometry(NamedTuple):
 
     def stick_mode(self, boundary: int) -> int:
         """Return the code of a stick on the belt at `boundary`."""
-        return len(self.domains) + boundary
+        return stick_code(boundary)
 
 
+def domain_code(domain: int) -> int:
+    """Return the code of a domain as the mode of a motion: the paper's are 1, 2 and 3."""
+    if domain <= PAPER_BELTS + 1:
+        return domain
+    return 2 * domain - 2
+
+
+def stick_code(boundary: int) -> int:
+    """Return the code of a stick on a belt: those of the paper follow its domains, and further
+    domains and belts take turns.
+    """
+    if boundary <= PAPER_BELTS:
+        return PAPER_BELTS + 1 + boundary
+    return 2 * boundary + 1
+
+
+PAPER_BELTS = 2
+#: So many belts have codes.
+MOST_BELTS = 50
 #: The paper's names, in the order in which `geometry` makes the mappings of two belts.
 PAPER_LABELS = ("P1", "P2", "P3", "P4", "P5", "P6", "P7", "P8")
 
@@ -100,13 +119,15 @@ def geometry(belts: int) -> Geometry:
     """Return what follows from the number of belts.
 
     A mapping is a stick on a belt (S), a flight back to it from below (B) or above (A), or a passage
-    between neighbouring belts, down (D) or up (U): 5n - 2 mappings of n belts.
+    between neighbouring belts, down (D) or up (U): 5n - 2 mappings of n belts. Their number in
+    `maps`, from 1, does not depend on how many belts there are.
     """
     boundaries = tuple(range(1, belts + 1))
     domains = tuple(range(1, belts + 2))
-    names = {domain: f"Omega{domain}" for domain in domains}
-    names |= {len(domains) + boundary: f"belt{boundary}" for boundary in boundaries}
-    # Name, planes (superscript, boundary) of the start and of the end, domain.
+    names = {domain_code(domain): f"Omega{domain}" for domain in domains}
+    names |= {stick_code(boundary): f"belt{boundary}" for boundary in boundaries}
+    # Name, planes (superscript, boundary) of the start and of the end, domain. The order is that of
+    # the paper for two belts; what another belt adds comes behind.
     rows = []
     for belt in boundaries:
         rows += [
@@ -114,23 +135,28 @@ def geometry(belts: int) -> Geometry:
             (f"B{belt}", (1, belt), (1, belt), belt),
             (f"A{belt}", (2, belt), (2, belt), belt + 1),
         ]
-    for lower, upper in pairwise(boundaries):
-        rows += [
-            (f"D{upper}{lower}", (1, upper), (2, lower), upper),
-            (f"U{lower}{upper}", (2, lower), (1, upper), upper),
-        ]
+        if belt > 1:
+            rows += [
+                (f"D{belt}{belt - 1}", (1, belt), (2, belt - 1), belt),
+                (f"U{belt - 1}{belt}", (2, belt - 1), (1, belt), belt),
+            ]
     maps = {}
     for i, (name, start, end, domain) in enumerate(rows):
         if belts == 2:
             label = PAPER_LABELS[i]
         else:
             label = name
-        mode = domain or len(domains) + start[1]  # a stick has the code of its belt
+        if domain:
+            mode = domain_code(domain)
+        else:
+            mode = stick_code(start[1])
         maps[label] = Map(label, SwitchingPlane(*start), SwitchingPlane(*end), domain, mode)
     neighbours = {boundary: (boundary, boundary + 1) for boundary in boundaries}
     return Geometry(domains, boundaries, names, neighbours, maps)
 
 
+#: The names of all modes by their codes.
+ALL_MODE_NAMES = geometry(MOST_BELTS).mode_names
 #: The paper's oscillator.
 TWO_BELTS = geometry(2)
 MODE_NAMES = TWO_BELTS.mode_names
@@ -324,6 +350,13 @@ class FrictionLaw:
             )
             rows.append(RowOfLaw(slope, forces, below, above, domain))
         return rows
+
+    def damping(self, c: Any, row: int) -> Any:
+        """Return the damping in a row of constants: the damper's c, and what friction adds."""
+        slope = self.rows[row].slope
+        if slope is None:
+            return c
+        return c + slope
 
     def line_between(self, below: Any, above: Any) -> tuple[Any, Any]:
         """Return what friction adds to the damping, and its constant part, between the speeds of two

@@ -112,7 +112,8 @@ IN_DOUBLES = {
 
 
 class Arithmetic:
-    """Double precision: constants `K`, conversion of numbers, and `advance`.
+    """Double precision: the constants `K`, number `row` of those of the law, conversion of numbers,
+    and `advance`.
 
     Base class for pairs and many digits.
     """
@@ -124,9 +125,10 @@ class Arithmetic:
     rounded: Callable[[Number], Number] = staticmethod(float)  # rounds an mpf of any precision
     namespace = IN_DOUBLES
 
-    def __init__(self, parameters: Model) -> None:
+    def __init__(self, parameters: Model, row: int = 0) -> None:
         self.parameters = parameters
-        self.K = _float_constants(parameters)
+        self.row = row
+        self.K = _float_constants(parameters, row)
 
     def phase(self, t: Fraction) -> tuple[Number, Number]:
         """Return the phase Omega t mod 2 pi, in [0, 2 pi), of an exact time in two parts: rounded,
@@ -152,11 +154,17 @@ class Arithmetic:
 
 
 @lru_cache(maxsize=1024)
-def _float_constants(parameters: Model) -> Constants:
-    """Return the constants of `parameters` as floats, from a cache: to derive them exactly takes
-    long.
+def _float_constants(parameters: Model, row: int) -> Constants:
+    """Return a row of the constants of `parameters` as floats, from a cache: to derive them exactly
+    takes long.
     """
-    return with_march(constants(parameters), entire.basis)
+    return with_march(constants(parameters, row=row), entire.basis)
+
+
+@lru_cache(maxsize=256)
+def rows_in_doubles(parameters: Model) -> tuple[Constants, ...]:
+    """Return all rows of the constants of `parameters` as floats, from a cache."""
+    return tuple(_float_constants(parameters, row) for row in range(len(parameters.law.rows)))
 
 
 @lru_cache(maxsize=256)
@@ -277,19 +285,21 @@ class MpArithmetic(Arithmetic):
     # correctly, so results differ, if at all, in the last bits of a sine. With `fast` False all is
     # done by mpmath, also the search for events.
 
-    def __init__(self, parameters: Model, digits: int, fast: bool = True) -> None:
+    def __init__(self, parameters: Model, digits: int, fast: bool = True, row: int = 0) -> None:
         from symosc.kernels.multiprecision import BasisMP
 
         context = mp_context(digits)
         self.parameters = parameters
+        self.row = row
         self.context = context
         self.digits = digits
         self.fast = fast
         self.rounded = context.mpf
-        basis = BasisMP(context, parameters)
-        K = with_march(
-            constants(parameters, self.number, context.sqrt, context.atan2, +context.pi), basis
+        basis = BasisMP(context, parameters, row=row)
+        exact = constants(
+            parameters, self.number, context.sqrt, context.atan2, +context.pi, row=row
         )
+        K = with_march(exact, basis)
         self.K = K._replace(sigmas=context.mpf(MP_SIGMAS))
         eps = context.ldexp(1, -context.prec)
         self._replaced = {
@@ -346,7 +356,7 @@ class MpArithmetic(Arithmetic):
         replaced |= {name: getattr(inner, name) for name in ("sin", "cos", "exp", "sqrt")}
         return bind(
             SOURCES,
-            replaced | {"basis": BasisMP(inner, self.parameters, inner.with_bits)},
+            replaced | {"basis": BasisMP(inner, self.parameters, inner.with_bits, self.row)},
             literal=inner.mpf,
         )
 
@@ -409,12 +419,12 @@ class MpArithmetic(Arithmetic):
         )
 
 
-@lru_cache(maxsize=64)
-def many_digits(parameters: Model, digits: int) -> MpArithmetic:
+@lru_cache(maxsize=256)
+def many_digits(parameters: Model, digits: int, row: int = 0) -> MpArithmetic:
     """Return the arithmetic with `digits` decimal digits, from a cache: its constants take long to
     derive.
     """
-    return MpArithmetic(parameters, digits)
+    return MpArithmetic(parameters, digits, row=row)
 
 
 def mp_context(digits: int) -> Any:

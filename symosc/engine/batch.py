@@ -24,7 +24,14 @@ import numpy as np
 from symosc.base.aliases import Number
 from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, event_codes, event_numbers
 from symosc.engine.flow import belt_at, belt_forces, clock_time, constant_force, held_forces
-from symosc.engine.next_event import advance, advance_near, free_time, time_with_errors
+from symosc.engine.next_event import (
+    advance,
+    advance_near,
+    band_beyond,
+    entered,
+    free_time,
+    time_with_errors,
+)
 from symosc.engine.state import (
     END,
     FAILED,
@@ -61,7 +68,7 @@ class Batch(NamedTuple):
     """
 
     states: np.ndarray  # (n,) of STATE_ROW
-    sets: np.ndarray  # (n,)
+    sets: np.ndarray  # (n,) which follow a motion through the rows of a law, see `follow_one`
     counts: np.ndarray  # (n,)
     codes: np.ndarray  # (n,)
 
@@ -75,9 +82,9 @@ class EventRows(NamedTuple):
     ints: np.ndarray
 
 
-#: Columns of the pieces of a motion: the state where it begins, and the time since the double next
-#: to t0.
-PIECE_COLUMNS = ("n", "theta", "mode", "x", "v", "a", "elapsed")
+#: Columns of the pieces of a motion: the state where it begins, the time since the double next to
+#: t0, and the number of the row of constants.
+PIECE_COLUMNS = ("n", "theta", "mode", "x", "v", "a", "elapsed", "row")
 NO_PIECES = np.empty((len(PIECE_COLUMNS), 0))
 
 
@@ -275,7 +282,8 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
     recorded = pieces.shape[1] > 0
     tallied = tally.floats.shape[0] > 0
     before = state_of(states[i])
-    K = table[sets[i]]
+    row = sets[i]
+    K = table[row]
     t_end, t_end_low, t0 = end_by_phase(states[i], K)
     code = RUNNING
     going = True
@@ -303,14 +311,20 @@ def follow_one(i, once, rows, parts, batch, most, accuracy, out, pieces, tally, 
             code = step
         if tallied and code not in NEEDS_DIGITS and code != REST:
             tally_step(i, before, event, t0, tally, K)
+        way = band_beyond(state.mode, K)
+        if way != 0 and code not in NEEDS_DIGITS:
+            state = entered(state, way)
+            row += way
+            K = table[row]
         if recorded and code == RUNNING:
-            write_piece(pieces, parts, state, clock_time(state.t - t0, state.t_low, 0.0, K))
+            write_piece(pieces, parts, state, clock_time(state.t - t0, state.t_low, 0.0, K), K)
             parts += 1
         before = state
         going = not once
     if tallied and (code != RUNNING or not once):
         finish_tally(i, before, code, (t_end - before.t) + (t_end_low - before.t_low), t0, tally, K)
     keep_state(states[i], before)
+    sets[i] = row
     codes[i] = code
     return rows, parts
 
@@ -344,13 +358,13 @@ def searched(state, row, K):
 
 
 @outlined
-def search_row(states, table):
-    """Move the state in row 0 on to its next event.
+def search_row(states, table, row):
+    """Move the state in row 0 on to its next event, with the constants in `row` of the table.
 
     Return the rest of the NextEvent, and its `open_free_time`.
     """
     before = state_of(states[0])
-    K = table[0]
+    K = table[row]
     event = searched(before, states[0], K)
     keep_state(states[0], event.state)
     return (
@@ -372,24 +386,25 @@ def open_free_time(event, state, K):
 
 
 @outlined
-def doubt_row(states, count, most, accuracy, table):
-    """Return what `next_undecided` does for the state in row 0 of `states` and constants in row 0
-    of `table`.
-    """
-    return next_undecided(state_of(states[0]), count, states[0], most, accuracy, table[0])
+def doubt_row(states, count, most, accuracy, table, row):
+    """Return what `next_undecided` does for the state in row 0 of `states`."""
+    state = state_of(states[0])
+    return next_undecided(state, count, states[0], most, accuracy, table, row)
 
 
 @outlined
-def next_undecided(state, count, row, most, accuracy, K):
+def next_undecided(state, count, motion, most, accuracy, table, row):
     """Look up to LOOK_AHEAD steps ahead of `state`.
 
     Return the number of the first event that doubles cannot decide or know too little of, or 0.
 
-    Events are numbered on from `count`; those after number `most` do not matter.
+    Events are numbered on from `count`; those after number `most` do not matter. `motion` is the
+    batch row of the motion, and `row` the number of its constants in `table`.
     """
-    t0 = float(row.t0)
+    t0 = float(motion.t0)
     for _ in range(LOOK_AHEAD):
-        step, _, decided, t_error, state = searched(state, row, K)
+        K = table[row]
+        step, _, decided, t_error, state = searched(state, motion, K)
         if count >= most or step in (END, REST):
             break
         if step == FAILED or not decided:
@@ -403,6 +418,10 @@ def next_undecided(state, count, row, most, accuracy, K):
             )
             if is_inexact(t, t_error, x, x_error, t0, accuracy):
                 return count
+        way = band_beyond(state.mode, K)
+        if way != 0:
+            state = entered(state, way)
+            row += way
     return 0
 
 
@@ -412,7 +431,7 @@ def write_event(out, row, i, before, event, clock, K):
     `clock` is (t, t_error, x_error).
     """
     numbers = event_numbers(before, event, clock, K)
-    codes = event_codes(before, event)
+    codes = event_codes(before, event, K)
     for n in range(len(numbers)):
         out.floats[n, row] = numbers[n]
     out.ints[0, row] = i
@@ -420,7 +439,7 @@ def write_event(out, row, i, before, event, clock, K):
         out.ints[n + 1, row] = codes[n]
 
 
-def write_piece(pieces, row, state, elapsed):
+def write_piece(pieces, row, state, elapsed, K):
     """Write a motion's piece that begins at `state`, a time `elapsed` after t0, into column `row`
     of `pieces`.
     """
@@ -428,7 +447,8 @@ def write_piece(pieces, row, state, elapsed):
         a = state.Fb
     else:
         a = 0.0
-    numbers = float(state.n), state.theta, float(state.mode), state.x, state.v, a, elapsed
+    band = float(K.row)
+    numbers = float(state.n), state.theta, float(state.mode), state.x, state.v, a, elapsed, band
     for n in range(len(numbers)):
         pieces[n, row] = numbers[n]
 
@@ -526,7 +546,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
             # Past its goal a motion goes on only while doubles could soon not decide again.
             if counts[i] >= goal:
                 goal = next_undecided_in_doubles(
-                    rounded, counts[i], states[i], farthest, limits.accuracy, plain
+                    rounded, counts[i], states[i], farthest, limits.accuracy, limits.table, sets[i]
                 )
                 if goal == 0:
                     break
@@ -567,7 +587,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
             rounded = rounded_after
             if recorded and code == RUNNING:
                 elapsed = ((state.t - t0.hi) + state.t_low).hi
-                write_piece_in_doubles(pieces, parts, rounded, elapsed)
+                write_piece_in_doubles(pieces, parts, rounded, elapsed, plain)
                 parts += 1
         if tallied:
             end, end_low, _ = end_by_phase_in_doubles(states[i], plain)

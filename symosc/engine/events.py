@@ -12,8 +12,9 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from symosc.base.aliases import Number
-from symosc.engine.state import CROSS, GRAZE, SLIP, STICK
-from symosc.friction import MODE_NAMES
+from symosc.engine.flow import belt_at
+from symosc.engine.state import CROSS, GRAZE, ON_BELT, SLIP, STICK
+from symosc.friction import ALL_MODE_NAMES, PAPER_BELTS
 
 #: Kinds of events by code.
 KIND_NAMES = {CROSS: "cross", STICK: "stick", SLIP: "slip", GRAZE: "graze"}
@@ -32,9 +33,9 @@ class Event:
     kind : str
         "cross", "stick" (onset), "slip" (end of a stick) or "graze".
     boundary : int
-        1 (v = v1) or 2 (v = v2).
+        The number of the belt: 1 (v = v1), 2 (v = v2) and so on.
     source, target : str
-        "Omega1", "Omega2", "Omega3", "belt1" or "belt2".
+        "Omega1", "Omega2" and so on between the belts, "belt1", "belt2" and so on.
     t_error, x_error : float
         Estimated standard errors of t and x.
 
@@ -54,8 +55,8 @@ class Event:
     theta: Number
     kind: str = field(metadata={"names": KIND_NAMES})
     boundary: int
-    source: str = field(metadata={"names": MODE_NAMES})
-    target: str = field(metadata={"names": MODE_NAMES})
+    source: str = field(metadata={"names": ALL_MODE_NAMES})
+    target: str = field(metadata={"names": ALL_MODE_NAMES})
     t_error: float
     x_error: float
 
@@ -72,11 +73,40 @@ def event_numbers(before, event, clock, K):
     return t, state.x, state.v, state.theta, t_error, x_error
 
 
-def event_codes(before, event):
+def event_codes(before, event, K):
     """Return kind, boundary, source and target of an event as codes, from the state before and the
     NextEvent found.
     """
-    return event.code, event.boundary, before.mode, event.state.mode
+    if not K.banded:
+        return event.code, event.boundary, before.mode, event.state.mode
+    source = mode_of_law(before.mode, K)
+    target = mode_of_law(event.state.mode, K)
+    return event.code, event.boundary + int(K.shift), source, target
+
+
+def mode_of_law(mode, K):
+    """Return the code that a mode of the row K has in the whole law (`symosc.friction`)."""
+    shift = int(K.shift)
+    if not K.banded:
+        return mode
+    if mode <= ON_BELT:
+        domain = mode + shift
+        if domain <= PAPER_BELTS + 1:
+            return domain
+        return 2 * domain - 2
+    belt = mode - ON_BELT + shift
+    if belt <= PAPER_BELTS:
+        return PAPER_BELTS + 1 + belt
+    return 2 * belt + 1
+
+
+def belt_of_law(boundary, K):
+    """Return the number in the whole law of the belt at a boundary of the row K; 0 for a corner, or
+    for boundary 0.
+    """
+    if boundary == 0 or belt_at(boundary, K).is_corner:
+        return 0
+    return boundary + int(K.shift)
 
 
 EVENT_COLUMNS = tuple(entry.name for entry in fields(Event))

@@ -13,7 +13,9 @@ times (`fourth_derivative_bound`):
 with V0 the amplitude of the steady velocity and G2, G3 the third and fourth derivative of the
 transient, whose energy G3^2 + w0^2 G2^2 never grows. Near undamped resonance the two parts cannot
 be separated; then the same argument for the whole derivative gives M4 = sqrt(G3^2 + w0^2 G2^2) +
-|B0| Omega^3/m over the next 1/Omega of time. Hence
+|B0| Omega^3/m over the next 1/Omega of time. In a band with negative damping, h < 0, the root of
+this energy grows by at most exp(2 |h| tau), which is less than `K.growth` as long as one search
+lasts; all that is bounded by it is multiplied by that factor, which is 1 elsewhere. Hence
 
     g(tau + s) >= P(s) = g + g' s + g'' s^2/2 + g''' s^3/6 - M4 s^4/24
 
@@ -139,16 +141,15 @@ MOST_STALLS = 150
 def fourth_derivative_bound(G2, G3, s, c, K):
     """Return a bound M4 of |v''''| from now on, given G2 = v''', G3 = v'''' and the phase.
 
-    It holds for all later times if `K.steady`, else for 1/Omega.
+    It holds for the rest of the search if `K.steady`, else for 1/Omega.
     """
     if not K.steady:
-        return sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om
+        return (sqrt(G3 * G3 + K.w0sq * G2 * G2) + abs(K.fB) * K.Om * K.Om) * K.growth
     Om3 = K.Om * K.Om * K.Om
     G2_transient = G2 - Om3 * (K.Sc * s - K.Ss * c)
     G3_transient = G3 - Om3 * K.Om * (K.Ss * s + K.Sc * c)
-    return K.V0 * Om3 * K.Om + sqrt(
-        G3_transient * G3_transient + K.w0sq * G2_transient * G2_transient
-    )
+    energy = G3_transient * G3_transient + K.w0sq * G2_transient * G2_transient
+    return K.V0 * Om3 * K.Om + sqrt(energy) * K.growth
 
 
 def positive_on(s, P):
@@ -432,7 +433,7 @@ def free_motion(v0, now, walls, margin, K):
     # The steady amplitude and the energy of the transient bound v: walls beyond that do not count.
     # `far_below` and `far_above` are what the transient would have to reach; v0 - walls.below is the
     # speed of the lower belt, v0 + walls.above that of the upper one.
-    energy = F_free * F_free + K.w0sq * v_free * v_free
+    energy = (F_free * F_free + K.w0sq * v_free * v_free) * (K.growth * K.growth)
     far_below = walls.below - v0 - K.V0 - slack
     far_above = v0 + walls.above - K.V0 - slack
     beyond_below = (far_below > 0.0) & (energy < K.w0sq * far_below * far_below)
@@ -573,7 +574,7 @@ def tolerance(side, now, start, walls, S, K):
     size = velocity_scale(now.tau, start.v, start.F, K) + start_gap
     # A force that is not 0 was rounded as its terms, which may be much larger; that of x counts in S.
     if start.F != 0.0:
-        size = size + (abs(K.f0) + K.cm * abs(start.v)) * abs(now.E1)
+        size = size + (abs(K.f0) + abs(K.cm * start.v)) * abs(now.E1)
     return ROUNDING * EPS * size + K.sigmas * sqrt(abs(variance))
 
 
@@ -618,6 +619,8 @@ def closest_approach(tau, earliest, side, M4, start, walls, S, K):
                 free = positive_on(
                     back, (gap - allowed, -slope, 0.5 * bend, third, -0.25 * SIXTH * M4)
                 )
+                if K.growth > 1.0 and tau > 1.5 * K.chunk:  # so late M4 is no bound any more
+                    free = False
                 return (NOTHING if free and back > 0.0 else STALLED), tau
             if abs(shift) >= 0.9 * last_shift or shift == 0.0:  # as near as rounding allows
                 return (TANGENCY if gap_reopens(tau, side, start, walls, S, K) else LOST), tau
@@ -747,19 +750,16 @@ def behind_flat_start(tau_max, G2, G3, start, K):
     if K.steady:
         G3_transient = G3 - Om4 * (K.Ss * start.s + K.Sc * start.c)
         fifth_transient = fifth - Om4 * K.Om * (K.Ss * start.c - K.Sc * start.s)
-        M5 = K.V0 * Om4 * K.Om + sqrt(
-            fifth_transient * fifth_transient + K.w0sq * G3_transient * G3_transient
-        )
+        energy = fifth_transient * fifth_transient + K.w0sq * G3_transient * G3_transient
+        M5 = K.V0 * Om4 * K.Om + sqrt(energy) * K.growth
         if M5 > 0.0:
             tau = 4.0 * abs(G3) / M5
         else:
             tau = K.chunk
     else:
-        tau = (
-            4.0
-            * abs(G3)
-            / (sqrt(fifth * fifth + K.w0sq * G3 * G3) + abs(K.fB) * K.Om * K.Om * K.Om)
-        )
+        energy = fifth * fifth + K.w0sq * G3 * G3
+        M5 = (sqrt(energy) + abs(K.fB) * K.Om * K.Om * K.Om) * K.growth
+        tau = 4.0 * abs(G3) / M5
         if not (tau * K.Om < 1.0):
             tau = 1.0 / K.Om
     return state_at(tau if tau < tau_max else tau_max, start, K)

@@ -24,9 +24,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.base.aliases import Number
-from symosc.base.errors import ParameterError
 from symosc.engine.state import Flown
-from symosc.friction import TWO_BELTS
+from symosc.friction import EdgeOfLaw
 from symosc.kernels._generated import acceleration, motion, next_derivative
 from symosc.kernels.elementary import cos, exp, select, sin
 from symosc.kernels.entire import SIXTH, basis
@@ -63,6 +62,11 @@ SLOW_DRIVE = 100  # a drive is slow if the free motion is this many times as fas
 LASTING = 400
 # Roots this many times as large as all other rates make a system stiff.
 STIFF = 16
+# In a band with negative damping nothing is evaluated for longer than this from one starting point,
+# times 1/|h|. A search goes on for at most 5/8 of it beyond (`apart_from_walls`), in which the free
+# motion grows by less than exp(2 * 0.35 * 1.625) = 3.1.
+LONGEST_GROWTH = Fraction(7, 20)
+GROWTH = 4
 SIGMAS = Fraction(8)  # standard errors of the state that a decision must exceed
 # The step of the march along a flight near a wall, times `rate`.
 MARCH_STEP = 1.0
@@ -83,7 +87,11 @@ class BeltConstants(NamedTuple):
     Along it both forces F obey m dF/dt = -(k v + B0 Omega sin(theta)).
     """
 
-    v: Number  # speed of the belt; infinite where there is no such belt
+    v: Number  # speed of the belt, or of the corner; infinite where there is no such belt
+    is_corner: bool  # whether only the slope of the friction changes here
+    # whether a motion that is over rests on this corner: there is no drive, its speed is 0, and the
+    # damping is not negative on either side
+    is_rest: bool
     J: Number  # F^(below) - F^(above) = 2 mu FN/m
     E: Number  # by how much static friction exceeds kinetic friction: (mu_s - mu) FN/m
     hold: Number  # J + 2 E, the width of the range of forces that hold the mass
@@ -149,6 +157,13 @@ class Constants(NamedTuple):
     slow_drive: bool  # the drive is much slower than the free motion
     stiff: bool  # overdamped, with a free motion that is over long before anything else has moved
     steady: bool  # far from resonance: steady state and transient may be bounded one by one
+    # how much a free motion may grow in one search: 1, or GROWTH with negative damping
+    growth: Number
+    # whether the law has a row of constants for each of its bands; then a motion is in the middle
+    # domain of its row, number `row`, which is a part of the domain `shift` + 2 of the law
+    banded: bool
+    row: int
+    shift: int
     A1: Number  # A_alpha/m
     A2: Number
     A3: Number
@@ -192,25 +207,22 @@ def constants(
     angle: Callable[[Number, Number], Number] = atan2,
     pi: Number = pi,
     driven: Any = None,
+    row: int = 0,
 ) -> Constants:
-    """Return the constants of `parameters`, rounded once by `number`.
+    """Return a row of the constants of `parameters`, rounded once by `number`.
 
     `root`, `angle`: sqrt, atan2 of such numbers. `driven` is True for derivatives by B0, which
-    depend on Omega where B0 = 0 too; None: whether B0 is not 0.
+    depend on Omega where B0 = 0 too; None: whether B0 is not 0. `row` is a number in `law.rows`.
     """
     # `number` is ``float``, or a conversion to mpmath. Parameters may be columns of pairs
     # (`constant_table`): then the constants are arrays, and so `either` and `flag ^ True` stand for
     # conditional expressions and `not`.
     law = parameters.law
-    if len(law.belts) > len(TWO_BELTS.boundaries):
-        raise ParameterError(
-            "belts",
-            f"{len(law.belts)} of them",
-            "motions between more than two belts cannot be followed yet",
-        )
+    of_row = law.rows[row]
+    c = law.damping(parameters.c, row)
     m = parameters.m
     Om = parameters.Omega
-    h = parameters.c / (2 * m)
+    h = c / (2 * m)
     w0sq = parameters.k / m
     f0 = parameters.B0 / m
     omega = number(Om)
@@ -226,9 +238,10 @@ def constants(
     w0 = root(number(w0sq))
     over = under ^ True
     # Without oscillation: the product of both roots is w0sq, so that nothing cancels in the slow one.
-    fast = -(number(h) + omega_d)
+    grows = h < 0
+    fast = either(grows, omega_d - number(h), -(number(h) + omega_d))
     slow = number(w0sq) / either(fast != 0, fast, 1)  # fast = 0 only where w0sq = 0
-    rate0 = either(under, w0, -fast)
+    rate0 = either(under, w0, abs(fast))
     moves = rate0 > 0
     # Without a drive nothing depends on Omega but the phase: where steps, limits and formulas ask
     # for a frequency of the drive it is 0, and where they divide by it the rate of the free motion.
@@ -253,6 +266,8 @@ def constants(
     fades = either(slow < 0, LONGEST_PHASE / either(slow < 0, -slow, 1), most)
     free = either(under, longest, fades)
     chunk = either(driven, either(under, swinging, period), either(free < most, free, most))
+    tamed = number(LONGEST_GROWTH) / either(grows, -number(h), 1)
+    chunk = either(grows & (tamed < chunk), tamed, chunk)
     if doubles:
         Om_gain = number(either(driven, exactly(omega) - Om, Fraction(0))) / omega
         period_low = number(_period_rest(period, omega))
@@ -282,13 +297,17 @@ def constants(
         under=under,
         apart=under & steady,
         creeps=over & (driven ^ True),
-        lasting=either(under, w0sq > LASTING * h * h, w0sq == 0),
+        lasting=either(under, w0sq > LASTING * h * h, w0sq == 0) | grows,
         slow_drive=rate0 > SLOW_DRIVE * beat,
         stiff=steady & over & (-fast > STIFF * larger(-slow, number(pull))),
         steady=steady,
-        A1=number((parameters.A0 + law.force(1)) / m),
-        A2=number((parameters.A0 + law.force(2)) / m),
-        A3=number((parameters.A0 + law.force(3)) / m),
+        growth=either(grows, number(Fraction(GROWTH)), number(Fraction(1))),
+        banded=not law.is_plain,
+        row=row,
+        shift=of_row.domain - 2,
+        A1=number((parameters.A0 + of_row.forces[0]) / m),
+        A2=number((parameters.A0 + of_row.forces[1]) / m),
+        A3=number((parameters.A0 + of_row.forces[2]) / m),
         V0=either(steady, abs(number(drive)) / root(response), zero),
         Ss=number(-drive * p) / response,
         Sc=number(drive * q) / response,
@@ -297,8 +316,8 @@ def constants(
         period_low=period_low,
         chunk=chunk,
         sigmas=number(SIGMAS),
-        belt1=_belt_constants(parameters, 1, number, root, angle),
-        belt2=_belt_constants(parameters, 2, number, root, angle),
+        belt1=_belt_constants(parameters, row, 1, number, root, angle),
+        belt2=_belt_constants(parameters, row, 2, number, root, angle),
         march=MarchConstants(*[zero] * 7),
         stride=MarchConstants(*[zero] * 7),
     )
@@ -353,22 +372,25 @@ def _period_rest(period: float, Om: float) -> Fraction:
 
 
 def _belt_constants(
-    parameters: Model, boundary: int, number: Any, root: Any, angle: Any
+    parameters: Model, row: int, boundary: int, number: Any, root: Any, angle: Any
 ) -> BeltConstants:
-    """Return the constants of a stick on belt 1 or 2.
+    """Return the constants of a stick on the edge below (`boundary` 1) or above (2) the middle
+    domain of a row.
 
     `number`, `root`, `angle` are as in `constants`.
     """
-    law = parameters.law
-    if boundary > len(law.belts):
-        return no_belt(number)
-    v = law.belts[boundary - 1].v
-    J = 2 * law.kinetic(boundary) / parameters.m
-    E = law.excess(boundary) / parameters.m
+    of_row = parameters.law.rows[row]
+    edge = (of_row.below, of_row.above)[boundary - 1]
+    if edge is None:
+        return no_belt(boundary, number)
+    v = edge.v
+    J = edge.J / parameters.m
+    E = edge.E / parameters.m
+    c = parameters.law.damping(parameters.c, row)
     # Signs, as the forces themselves may be too small for a double.
     below, above = (
-        number(sign(parameters.A0 + law.force(domain) - parameters.c * v))
-        for domain in (boundary, boundary + 1)
+        number(sign(parameters.A0 + force - c * v))
+        for force in of_row.forces[boundary - 1 : boundary + 1]
     )
     pull = -parameters.k * v
     drive = parameters.B0 * parameters.Omega
@@ -378,6 +400,8 @@ def _belt_constants(
     c_cr = root(number(1 - sine * sine))
     return BeltConstants(
         v=number(v),
+        is_corner=edge.belt == 0,
+        is_rest=edge.belt == 0 and v == 0 and parameters.k > 0 and _is_damped(parameters, edge),
         J=number(J),
         E=number(E),
         hold=number(J + 2 * E),
@@ -391,14 +415,25 @@ def _belt_constants(
     )
 
 
-def no_belt(number: Callable[[Any], Number]) -> BeltConstants:
-    """Return the constants in place of a second belt where there is one belt: it is out of reach at
-    any velocity.
+def _is_damped(parameters: Model, edge: EdgeOfLaw) -> bool:
+    """Return whether there is no drive, and no negative damping on either side of a corner."""
+    return parameters.B0 == 0 and all(
+        parameters.law.damping(parameters.c, n) >= 0
+        for n, row in enumerate(parameters.law.rows)
+        if edge in (row.below, row.above)
+    )
+
+
+def no_belt(boundary: int, number: Callable[[Any], Number]) -> BeltConstants:
+    """Return the constants in place of an edge where there is none: it is out of reach, below
+    (`boundary` 1) or above (2), at any velocity.
     """
     zero = number(Fraction(0))
     one = number(Fraction(1))
     return BeltConstants(
-        v=inf + zero,
+        v=(-inf if boundary == 1 else inf) + zero,
+        is_corner=False,
+        is_rest=False,
         J=zero,
         E=zero,
         hold=zero,
@@ -677,4 +712,4 @@ def velocity_scale(tau, v0, F0, K):
         drive = select(drive > 2.0 * K.V0, 2.0 * K.V0, drive)
     early = abs(F0) * tau + K.w0sq * abs(v0) * rise
     late = abs(F0) * K.swing + 2.0 * abs(v0)
-    return select(K.w0 * tau < 1.0, early, late) + drive
+    return select(K.w0 * tau < 1.0, early, late) * K.growth + drive

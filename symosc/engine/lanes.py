@@ -175,10 +175,15 @@ def belts(boundary, K):
 
 
 def suits_lanes(K):
-    """Return whether motions with constants K suit lanes: underdamped, far from resonance, and no
-    slow drive.
+    """Return whether motions with constants K suit lanes: underdamped, far from resonance, no slow
+    drive, and one set of constants for all domains.
     """
-    return K.apart != 0 and K.slow_drive == 0 and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
+    return (
+        K.apart != 0
+        and K.banded == 0
+        and K.slow_drive == 0
+        and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
+    )
 
 
 def end_of_group(begin, sets, table):

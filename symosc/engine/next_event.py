@@ -16,6 +16,10 @@ A tangency from below (Theorem 6) has F^(below) = 0 and a negative first G-funct
 one from above a positive one. Where E > 0 it lies inside the range of forces that hold the mass: a
 graze of such a belt is the onset of a stick.
 
+At a corner, where only the slope of the friction changes, the force and all G-functions that follow
+from it agree on both sides: the motion goes on where they say, nothing sticks, and a touch is no
+event, since both sides take it along the same way (`meet_corner`).
+
 During a stick the state has F^(below) + E and F^(above) - E for forces (`held_forces`), in a flight
 the acceleration: it begins with E, or -E, behind a stick.
 
@@ -77,6 +81,7 @@ from symosc.engine.state import (
     FAILED,
     GRAZE,
     HIT,
+    MIDDLE,
     MOVED,
     NOTHING,
     ON_BELT,
@@ -146,12 +151,35 @@ def advance(state, t_end, t_end_low, K):
         return after_stick(state, belt_exit(tau_max, state, belt, K), remaining, K)
     if K.creeps and creeps_for_ever(state, K):
         return NextEvent(REST, 0, True, 0.0, state)
+    if K.banded and rests_on_corner(state, K):
+        return NextEvent(REST, 0, True, 0.0, state)
     start, walls = launched(state, K)
     tau_max = past_end(tau_max, remaining)
     end = first_exit(tau_max, start, walls, state.S, K)
     if end.code == NOTHING and tau_max < remaining:
         end = apart_from_walls(end, tau_max, remaining, state, start, walls, K)
     return after_flight(state, end, start, remaining, K)
+
+
+# --- bands ---
+
+
+def band_beyond(mode, K):
+    """Return the way to the row of constants in which a motion goes on: -1 or 1 if it has left the
+    middle domain of the row K, else 0.
+    """
+    if not K.banded or mode == MIDDLE or mode > ON_BELT:
+        return 0
+    return mode - MIDDLE
+
+
+def entered(state, way):
+    """Return a state that has left the middle domain of its row by `way`, as a state of the next
+    row.
+    """
+    _, _, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low = state
+    at = 1 if way > 0 else 2
+    return State(MIDDLE, at, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
 
 
 # --- flights ---
@@ -232,7 +260,12 @@ def after_flight(state, end, start, remaining, K):
         boundary = mode - 1
     else:
         boundary = mode
-    v = belt_at(boundary, K).v
+    belt = belt_at(boundary, K)
+    v = belt.v
+    if code == STALLED and belt.is_rest:  # a motion that dies away there does not leave it any more
+        zero = 0.0 * F
+        rest = State(mode, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
+        return NextEvent(MOVED, boundary, True, 0.0, rest)
     if code == STALLED:
         there = State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
         return NextEvent(FAILED, boundary, False, 0.0, there)
@@ -284,7 +317,7 @@ def never_leaves(start, S, lower, upper, domain, K):
     """
     # `lower` and `upper` are the speeds of the belts around the domain, -inf and inf where there is
     # none; S is the covariance of the errors of `start`.
-    if not K.steady or (K.w0 == 0.0 and K.cm == 0.0):
+    if not K.steady or (K.w0 == 0.0 and K.cm == 0.0) or K.growth > 1.0:
         return False
     v, F, s, c = start
     free = v - (K.Ss * s + K.Sc * c)
@@ -317,8 +350,9 @@ def creeps_for_ever(state, K):
     # `kept` says that u = g' - l2 g >= 0 (see the top of the module), beyond doubt. At the lower belt
     # r is its drift, at the upper one minus its drift. Without a spring l2 = -c/m, and u is
     # (A_alpha - c v_lambda)/m or minus that: a limit, of which the sign is known.
-    terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + (K.cm - K.l2) * abs(v)
-    noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + (K.cm - K.l2) * sqrt(S.S22))
+    rates = abs(K.cm) + abs(K.l2)
+    terms = abs(constant_force(mode, K)) + abs(K.w0sq * state.x) + rates * abs(v)
+    noise = ROUNDING * EPS * terms + K.sigmas * (K.w0sq * sqrt(S.S11) + rates * sqrt(S.S22))
     slower, faster = speeds_around(mode, K)
     if slower > -inf:
         lower = belt_at(mode - 1, K)
@@ -357,10 +391,11 @@ def flight_noise(state, now, K):
     hold = select(first, K.belt1.hold, K.belt2.hold)
     E = select(first, K.belt1.E, K.belt2.E)
     forces = forces + select((state.at > 0) & (abs(F0) == E), hold, 0.0 * hold)
-    x_noise = 1.25 * EPS * (abs(state.x) + (speed + forces * reach) * reach + abs(v0) * tau)
+    gains = (speed + forces * reach) * reach * K.growth
+    x_noise = 1.25 * EPS * (abs(state.x) + gains + abs(v0) * tau)
     # phase of the free oscillation, as far as it lasts
     turned = 0.5 * K.w0 * tau * (abs(now.E0) + K.w0 * abs(now.E1))
-    v_noise = 1.25 * EPS * ((2.0 + turned) * speed + forces * reach)
+    v_noise = 1.25 * EPS * ((2.0 + turned) * speed + forces * reach * K.growth)
     if K.lasting:
         # The errors of the constants are the same in every flight: they add up, where independent
         # ones would add up in squares.
@@ -402,6 +437,8 @@ def meet_belt(there, end, v_noise, remaining, K):
     # goes on through that of the belt, as far as friction lets it.
     mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
     belt = belt_at(boundary, K)
+    if belt.is_corner:
+        return meet_corner(there, belt, K)
     upward = end.side > 0
     now = end.now
     G1, G2, G3 = derivatives(v, F, now.s, now.c, K)
@@ -429,9 +466,9 @@ def meet_belt(there, end, v_noise, remaining, K):
     else:
         far_force = held_below
     small = abs(far_force) < NEAR_FORCE * belt.hold
-    if small and abs(far_force) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(
-        S.S22
-    ):
+    if small and abs(far_force) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * abs(
+        K.cm
+    ) * sqrt(S.S22):
         decided = False
         if upward:
             held_above = 0.0 * held_above
@@ -480,6 +517,33 @@ def meet_belt(there, end, v_noise, remaining, K):
     S = Covariance(S.S11, ratio * S.S12, ratio * ratio * S.S22)
     crossed = State(target, boundary, n, theta, x, v, out, out, S, t, t_low, s, c, theta_low)
     return NextEvent(CROSS, boundary, decided, t_error, crossed)
+
+
+@outlined
+def meet_corner(there, corner, K):
+    """Return the step (MOVED, with its boundary) of a flight that meets a corner in state `there`."""
+    mode, boundary, n, theta, x, v, F, _, S, t, t_low, s, c, theta_low = there
+    if corner.is_rest:
+        terms = abs(constant_force(mode, K)) + abs(K.w0sq * x)
+        if abs(F) <= ROUNDING * EPS * terms + K.sigmas * K.w0sq * sqrt(S.S11):
+            F = 0.0 * F
+    where = following_sign(v, F, s, c, K)
+    if where > 0:
+        mode = boundary + 1
+    elif where < 0:
+        mode = boundary
+    moved = State(mode, boundary, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
+    return NextEvent(MOVED, boundary, True, 0.0, moved)
+
+
+def rests_on_corner(state, K):
+    """Return whether a motion stays on the corner where it is: no derivative leads away."""
+    return (
+        state.at > 0
+        and state.Fb == 0.0
+        and belt_at(state.at, K).is_corner
+        and following_sign(state.v, state.Fb, state.s, state.c, K) == 0
+    )
 
 
 @outlined

@@ -6,10 +6,11 @@ maps, orbits and crosschecks.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from functools import partial
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -28,6 +29,7 @@ from symosc.engine.flow import (
     corrected,
     held_forces,
 )
+from symosc.engine.next_event import band_beyond, entered
 from symosc.engine.state import BELT, DOMAIN_ABOVE, ON_BELT, STATE_ROW, Covariance, State
 from symosc.kernels._generated import acceleration
 from symosc.kernels.entire import EPS
@@ -71,7 +73,7 @@ class Start:
         """The number of digits beyond the usual that resolve the gaps from v0 to the belts, and the
         errors of the start.
         """
-        gaps = [self.v0 - belt.v for belt in self.parameters.law.belts]
+        gaps = [self.v0 - edge.v for edge in self.parameters.law.edges]
         small = [abs(value) for value in (*(self.start_error or ()), *gaps) if value != 0]
         return max([0, *(power_of_ten(1 / value) for value in small)])
 
@@ -117,7 +119,9 @@ def belt_start(
     forces = held_forces(below, above, belt)
     below, above = (0 * force if abs(force) <= allowed else force for force in forces)
     where = arithmetic.namespace["resolve"](belt.v, below, above, s, c, K)
-    if where == BELT:
+    if where == BELT and belt.is_corner:
+        mode = boundary
+    elif where == BELT:
         mode = ON_BELT + boundary
     else:
         mode = boundary + (where == DOMAIN_ABOVE)
@@ -209,7 +213,8 @@ def force_terms(boundary: int, x: Number, K: Constants) -> Number:
 
 
 def first_state(start: Start, arithmetic: Arithmetic) -> State:
-    """Return the first State of a motion in the given arithmetic.
+    """Return the first State of a motion in the given arithmetic, which has the row of constants of
+    the start (`symosc.friction.FrictionLaw.place_of`).
 
     Its count of forcing periods is 0 at t0.
     """
@@ -224,18 +229,17 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     v = number(start.v0)
     (theta, theta_low) = arithmetic.phase(start.t0)
     phase: Phase = arithmetic.namespace["sine_and_cosine"](theta, theta_low)
-    at = p.law.boundary_of(start.v0)
+    _, mode, at = p.law.place_of(start.v0)
     if at:
         begun = belt_start(at, x, phase, arithmetic)
         clear = CLEAR_FORCE * force_terms(at, x, K) + reach_of_error(start, arithmetic)
         if min(abs(begun.below), abs(begun.above)) <= clear:
-            exact = _decided_start(start, at)
+            exact = _decided_start(start, at, arithmetic.row)
             forces = (exact.below, exact.above, exact.E)
             begun = BeltStart(exact.boundary, exact.mode, *map(arithmetic.rounded, forces))
         mode = begun.mode
         (Fb, Fa) = begun.forces
     else:
-        mode = p.law.domain_of(start.v0)
         Fb = Fa = acceleration(x, v, phase[1], constant_force(mode, K), K.cm, K.w0sq, K.f0)
     S = Covariance((eps * x) * (eps * x), 0 * x, 0 * v if at else (eps * v) * (eps * v))
     if start.start_error:
@@ -249,6 +253,20 @@ def first_state(start: Start, arithmetic: Arithmetic) -> State:
     return State(mode, at, 0, theta, x, v, Fb, Fa, S, *arithmetic.time(start.t0), *phase, theta_low)
 
 
+def begun(start: Start, arithmetic: Callable[[int], Arithmetic]) -> tuple[int, State]:
+    """Return the row of constants in which a motion begins, and its first State there.
+
+    `arithmetic` returns the arithmetic with a row of constants, by its number.
+    """
+    row = start.parameters.law.place_of(start.v0).row
+    own = arithmetic(row)
+    state = first_state(start, own)
+    way = band_beyond(state.mode, own.K)
+    if way:
+        return row + way, entered(state, way)
+    return row, state
+
+
 def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
     """Return the largest change of the forces on a belt that the error of the start may cause."""
     K = arithmetic.K
@@ -257,7 +275,7 @@ def reach_of_error(start: Start, arithmetic: Arithmetic) -> Number:
     return K.w0sq * (dx + abs(number(start.v0)) * dt) + K.cm * dv + abs(K.fB) * dt
 
 
-def _decided_start(start: Start, boundary: int) -> BeltStart:
+def _decided_start(start: Start, boundary: int, row: int) -> BeltStart:
     """Decide whether a motion sticks or leaves at its start on a belt, with enough digits to tell a
     force from 0.
     """
@@ -265,7 +283,7 @@ def _decided_start(start: Start, boundary: int) -> BeltStart:
     numbers = [start.t0, start.x0, start.v0, *p.numbers().values()]
     parts = (part for q in numbers for part in (q.numerator, q.denominator))
     digits = SPARE_DIGITS + sum(Decimal(part).adjusted() + 1 for part in parts)
-    arithmetic = MpArithmetic(p, digits)
+    arithmetic = MpArithmetic(p, digits, row=row)
     x = arithmetic.number(start.x0)
     rounding = ROUNDING * arithmetic.namespace["EPS"] * force_terms(boundary, x, arithmetic.K)
     phase: Phase = arithmetic.namespace["sine_and_cosine"](*arithmetic.phase(start.t0))
@@ -299,6 +317,12 @@ def longest_span(parameters: Model) -> Fraction:
     return Fraction(MOST_PERIODS * 44, 7) / parameters.Omega
 
 
+def first_row_in_doubles(start: Start) -> tuple[int, tuple[Number, ...]]:
+    """Return the number of the constants with which a motion begins, and its batch row in doubles."""
+    row, state = begun(start, partial(Arithmetic, start.parameters))
+    return row, row_of(state, *last_time(start, Arithmetic(start.parameters)))
+
+
 def first_row(start: Start, arithmetic: Arithmetic) -> tuple[Number, ...]:
     """Return the batch row (state, t_end in two parts, t0) of a motion at its start."""
     return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
@@ -310,18 +334,20 @@ def is_steady(start: Start) -> bool:
     False for any other t0.
     """
     p = start.parameters
+    row = p.law.place_of(start.v0).row
+    c = p.law.damping(p.c, row)
+    forces = [p.A0 + force for force in p.law.rows[row].forces]
     pull = p.k - p.m * p.Omega**2
-    drag = p.c * p.Omega
+    drag = c * p.Omega
     size = pull * pull + drag * drag
     if start.t0 != 0 or size == 0 or start.start_error:
         return False
     # The steady motion at t = 0, without its mean: A/k, or a mean velocity A/c where k = 0.
     x = p.B0 * pull / size
     v = p.B0 * drag * p.Omega / size
-    domains = p.law.domains
     if p.k == 0:
-        return p.c > 0 and any(start.v0 == v + p.A(domain) / p.c for domain in domains)
-    return start.v0 == v and any(start.x0 == x + p.A(domain) / p.k for domain in domains)
+        return c != 0 and any(start.v0 == v + force / c for force in forces)
+    return start.v0 == v and any(start.x0 == x + force / p.k for force in forces)
 
 
 def settles(start: Start) -> bool:
@@ -331,19 +357,22 @@ def settles(start: Start) -> bool:
     # The conditions are those of `symosc.engine.next_event`. The sign of u = g' + (h + w) g, with
     # w = sqrt(square), follows from the squares of its two parts: all numbers stay rational.
     p = start.parameters
-    if p.B0 != 0 or start.start_error or p.law.boundary_of(start.v0):
+    row, domain, at = p.law.place_of(start.v0)
+    if p.B0 != 0 or start.start_error or at:
         return False
-    h = p.c / (2 * p.m)
+    of_row = p.law.rows[row]
+    c = p.law.damping(p.c, row)
+    h = c / (2 * p.m)
     square = h * h - p.k / p.m
-    domain = p.law.domain_of(start.v0)
-    a = (p.A(domain) - p.k * start.x0 - p.c * start.v0) / p.m
+    a = (p.A0 + of_row.forces[domain - 1] - p.k * start.x0 - c * start.v0) / p.m
     if a == 0 and start.v0 == 0:
         return True
     if square < 0:
         return False
-    for boundary, side in ((domain - 1, 1), (domain, -1)):
-        if boundary in p.law.boundaries:
-            v = p.law.belts[boundary - 1].v
+    edges = (None, of_row.below, of_row.above, None)
+    for edge, side in ((edges[domain - 1], 1), (edges[domain], -1)):
+        if edge:
+            v = edge.v
             gap = side * (start.v0 - v)
             rational_part = side * a + h * gap  # of u; the other part is w * gap >= 0
             is_negative = rational_part < 0 and rational_part**2 > square * gap * gap

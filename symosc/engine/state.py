@@ -20,6 +20,9 @@ from symosc.base.aliases import Number
 # Modes are those of `symosc.friction.MODE_NAMES`: 1, 2, 3 a domain, ON_BELT + 1 and ON_BELT + 2 a
 # stick on belt 1 and 2.
 ON_BELT = 3
+# Where a law has a row of constants for each band, a motion is in the middle domain of its row, and
+# its modes are those of the paper, counted from there; `symosc.engine.events.mode_of_law` translates.
+MIDDLE = 2
 # What a step ends with; the first four are the kinds of events.
 CROSS = 1
 STICK = 2

@@ -101,6 +101,11 @@ _MAP_CODES = {
 MAP_OF = np.array(
     [_MAP_CODES.get((at, mode, to), 0) for at in range(3) for mode in range(6) for to in range(3)]
 )
+# The paper's mappings; those that a further belt adds come behind (`symosc.friction.geometry`).
+PAPER_MAPS = len(MAPS)
+MAPS_OF_BELT = 5
+# Words are digits to this base, 9 for the paper's mappings.
+BASE_OF_BANDED = 64
 
 
 class Kept(NamedTuple):
@@ -154,13 +159,14 @@ def no_tally() -> Tally:
 
     Given this, the event loop records single events instead of summaries.
     """
-    return new_tally(np.zeros(0, STATE_ROW), np.zeros(0), Kept(False, False, False, 0, 0))
+    none = np.zeros(0)
+    return new_tally(np.zeros(0, STATE_ROW), none, none, Kept(False, False, False, 0, 0))
 
 
-def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
+def new_tally(states: np.ndarray, planes: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     """Return the tally of motions at their starts (rows of a batch).
 
-    The time `skipped` is not counted.
+    `planes` are the belts on which they start, or 0; the time `skipped` is not counted.
     """
     # The last numbers of the shapes count the columns that are named above.
     count = len(states)
@@ -172,7 +178,7 @@ def new_tally(states: np.ndarray, skipped: np.ndarray, asked: Kept) -> Tally:
     floats[:, T_LAST] = states["t"]
     floats[:, X_LAST] = states["x"]
     floats[:, V_LAST] = states["v"]
-    ints[:, PLANE] = states["at"]
+    ints[:, PLANE] = planes
     # The word that is being collected is whole if it begins at a section.
     ints[:, WHOLE] = states["theta"] == 0.0
     # Places of sections that were not reached are never read.
@@ -224,16 +230,45 @@ def tally_step(i, before, event, t0, tally, K):
         if near and ints[i, EARLY] == 0:
             close_word(i, tally)
             ints[i, EARLY] = 1
-        # `MAP_OF` is flat: belt before (0: none), 6 modes, belt after.
-        code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + event.boundary])
+        boundary = event.boundary
+        base = 9
+        if K.banded:
+            boundary = boundary + int(K.shift)
+            base = BASE_OF_BANDED
+            code = map_number(ints[i, PLANE], before.mode, boundary, K)
+        else:
+            # `MAP_OF` is flat: belt before (0: none), 6 modes, belt after.
+            code = int(MAP_OF[(ints[i, PLANE] * 6 + before.mode) * 3 + boundary])
         if code > 0:
             length = ints[i, LENGTH]
             if length < tally.labels.shape[2]:
                 tally.labels[i, 0, length] = code
             ints[i, LENGTH] = length + 1
             # a number whose digits to the base 9 are the mappings 1 to 8
-            ints[i, CODE] = (ints[i, CODE] * 9 + code) % WORD_MODULUS
-        ints[i, PLANE] = event.boundary
+            ints[i, CODE] = (ints[i, CODE] * base + code) % WORD_MODULUS
+        ints[i, PLANE] = boundary
+
+
+def map_number(at, mode, to, K):
+    """Return the number of the mapping from belt `at` (0: none) to belt `to` in a mode of the row K;
+    0 if there is none.
+    """
+    domain = 2 + int(K.shift)
+    if mode > ON_BELT:
+        at = to
+        kind = 1
+    elif at == to:
+        kind = 2 if domain == to else 3
+    else:
+        kind = 4 if at > to else 5
+    if at == 0:
+        return 0
+    belt = max(at, to)
+    if belt > 2:
+        return PAPER_MAPS + (belt - 3) * MAPS_OF_BELT + kind
+    if kind > 3:  # passages between belts 1 and 2
+        return kind + 3
+    return 3 * (belt - 1) + kind
 
 
 def launch_of(state):
@@ -280,19 +315,19 @@ def tally_stretch(i, before, after, tau, t0, tally, K):
             ends = widened(Extremes(x, x, v, v), after.x, after.v)
             own = flight_extremes(begin, last, start, before.x, ends, open_ends, K)
             if begin == 0.0:
-                keep_flight(i, before, tau, own, tally)
+                keep_flight(i, before, tau, own, tally, K)
             seen = widened(widened(seen, own.x_min, own.v_min), own.x_max, own.v_max)
     floats[i, X_MIN], floats[i, X_MAX], floats[i, V_MIN], floats[i, V_MAX] = seen
 
 
-def keep_flight(i, state, tau, own, tally):
+def keep_flight(i, state, tau, own, tally, K):
     """Store a flight (start `state`, duration `tau`, extremes `own`) in the tally, to compare later
     flights with.
     """
     flights = tally.flights
     n = tally.ints[i, SEARCHED] % KEPT_FLIGHTS
     tally.ints[i, SEARCHED] += 1
-    flights[i, n, MODE] = state.mode
+    flights[i, n, MODE] = state.mode + 8 * K.row
     flights[i, n, THETA] = state.theta
     flights[i, n, X] = state.x
     flights[i, n, V] = state.v
@@ -307,9 +342,9 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
     """Return whether a flight from `state` surely stays within the extremes `seen`, as a similar
     earlier flight did.
 
-    `open_ends` says which extremes are in question. Two flights in one domain differ, at equal
-    times since their launch, by a steady motion, driven by the difference of their drives, plus a
-    free motion, whose energy dv^2 + (k/m) dx^2 never grows. Where these two are not separated (near
+    `open_ends` says which extremes are in question. Two flights in one band differ, at equal times
+    since their launch, by a steady motion, driven by the difference of their drives, plus a free
+    motion, the root of whose energy dv^2 + (k/m) dx^2 never grows by more than `K.growth`. Where these two are not separated (near
     resonance), the root of the energy grows no faster than the difference of the drives, which is
     B0/m times that of the phases.
     """
@@ -318,23 +353,22 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
     flights = tally.flights
     count = min(tally.ints[i, SEARCHED], KEPT_FLIGHTS)
     n = tally.ints[i, LIKE]
+    mode = state.mode + 8 * K.row
     v_slack = 0.5 * WIDTH_SLACK * (abs(seen.v_min) + abs(seen.v_max))
     x_slack = 0.5 * WIDTH_SLACK * (abs(seen.x_min) + abs(seen.x_max))
     # by how much the root of the energy may differ, per difference of the phases
     if K.steady:
-        turned_by = 2.0 * K.V0 * (1.0 + K.w0 / K.Om)
+        turned_by = K.V0 * (1.0 + K.w0 / K.Om) * (1.0 + K.growth)
     else:
-        turned_by = abs(K.f0) * tau
+        turned_by = abs(K.f0) * tau * K.growth
     for _ in range(count):  # from the one behind the last on: motions repeat
         if n + 1 < count:
             n = n + 1
         else:
             n = 0
-        if flights[i, n, MODE] == state.mode and tau <= flights[i, n, DURATION] * (
-            1.0 + WIDTH_SLACK
-        ):
+        if flights[i, n, MODE] == mode and tau <= flights[i, n, DURATION] * (1.0 + WIDTH_SLACK):
             distance = abs(state.v - flights[i, n, V]) + K.w0 * abs(state.x - flights[i, n, X])
-            distance = distance + turned_by * abs(state.theta - flights[i, n, THETA])
+            distance = distance * K.growth + turned_by * abs(state.theta - flights[i, n, THETA])
             v_distance = distance - v_slack
             x_distance = distance * K.swing - x_slack
             if (
@@ -363,10 +397,10 @@ def tally_sections(i, before, last, S, tally, K):
     S_v = max(before.S.S22, S.S22)
     for period in range(first, last + 1):
         tau = ((period - before.n) * TWO_PI - before.theta) / K.Om
-        keep_section(i, before, tau, S_x, S_v, tally)
+        keep_section(i, before, tau, S_x, S_v, tally, K)
 
 
-def keep_section(i, before, tau, S_x, S_v, tally):
+def keep_section(i, before, tau, S_x, S_v, tally, K):
     """Store the section at `tau` after `before`, with variances S_x, S_v.
 
     End the period's word if still open.
@@ -386,8 +420,11 @@ def keep_section(i, before, tau, S_x, S_v, tally):
     kept[FROM_F] = before.Fb
     kept[S11_THERE] = S_x
     kept[S22_THERE] = S_v
+    number = ints[i, SECTIONS]
     ints[i, SECTIONS] += 1
     ints[i, EARLY] = 0
+    if K.banded:  # later the motion is in another band
+        section(i, number, tally, K)
 
 
 def close_word(i, tally):
@@ -441,7 +478,7 @@ def finish_tally(i, last, code, remaining, t0, tally, K):
     if code in (END, REST) and tally.asked.ring > 0 and section_is_ahead:
         clock = t, last.t_low, sin(theta), cos(theta), 0.0
         state = State(last.mode, last.at, n, theta, x, v, last.Fb, last.Fa, last.S, *clock)
-        keep_section(i, state, 0.0, state.S.S11, state.S.S22, tally)
+        keep_section(i, state, 0.0, state.S.S11, state.S.S22, tally, K)
 
 
 def rest_of(tau, K):

@@ -151,9 +151,13 @@ def impulse(tau, K):
             spread = -expm1(-gap * tau) / gap
         else:
             spread = tau
-        decay = exp(K.l1 * tau)
+        if K.l1 < K.l2:  # with negative damping the fast root is the larger one
+            largest = K.l2
+        else:
+            largest = K.l1
+        decay = exp(largest * tau)
         E1 = decay * spread
-        E0 = decay * (K.l1 * spread + exp(-gap * tau))
+        E0 = decay * (largest * spread + exp(-gap * tau))
     return E0, E1
 
 

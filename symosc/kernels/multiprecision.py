@@ -160,13 +160,18 @@ class BasisMP:
     # beforehand, so they are computed with as many more, in contexts of their own; coinciding roots
     # are found in rational arithmetic. Very short times use the Taylor series. The precision of
     # `context` (of mpmath, or a `symosc.kernels.mpfr.MpfrContext`) is that of the results; `more`
-    # returns such a context with at least that many bits.
+    # returns such a context with at least that many bits, and `row` is the number of a row of
+    # constants (`symosc.friction.FrictionLaw.rows`).
 
     def __init__(
-        self, context: Context, parameters: Model, more: Callable[[int], Context] = with_bits
+        self,
+        context: Context,
+        parameters: Model,
+        more: Callable[[int], Context] = with_bits,
+        row: int = 0,
     ) -> None:
         self.context = context
-        self.h = parameters.c / (2 * parameters.m)
+        self.h = parameters.law.damping(parameters.c, row) / (2 * parameters.m)
         self.w0sq = parameters.k / parameters.m
         self.Om = parameters.Omega
         # A difference over two nodes loses as many bits as their gap is smaller than the nodes; 20 bits
@@ -210,11 +215,14 @@ class BasisMP:
             l1 = context.mpc(-h, w)
             l2 = context.mpc(-h, -w)
         else:
-            if h:
-                l1 = -w0sq / (h + w)
+            if self.h < 0:
+                l2 = w - h
+            else:
+                l2 = -(h + w)
+            if l2 != 0:
+                l1 = w0sq / l2
             else:
                 l1 = context.mpf(0)
-            l2 = -(h + w)
         # Equal roots are decided in rational numbers: those that differ by rounding would be divided
         # by their difference.
         if self.h == 0 and self.w0sq == self.Om * self.Om:  # undamped resonance

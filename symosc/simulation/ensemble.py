@@ -58,8 +58,8 @@ from symosc.engine.batch import (
     rows_between,
     state_of,
 )
-from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS
-from symosc.engine.flow import SIGMAS, ConstantRows, constants, table_of
+from symosc.engine.events import CODE_COLUMNS, FLOAT_COLUMNS, mode_of_law
+from symosc.engine.flow import SIGMAS, ConstantRows, Constants, constants, table_of
 from symosc.engine.start import FAR_PERIODS, Start, first_row, settles
 from symosc.engine.state import (
     END,
@@ -83,7 +83,7 @@ from symosc.engine.summary import (
     tally_step,
 )
 from symosc.engine.tangent import Letters
-from symosc.friction import MODE_NAMES, geometry
+from symosc.friction import ALL_MODE_NAMES, geometry
 from symosc.kernels.elementary import cos, sin
 from symosc.model import Model, Oscillator, Parameters
 from symosc.reductions import OtherModel
@@ -129,7 +129,7 @@ KEPT_COLUMNS = EXTREMES | {"t": kept.T_LAST, "x": kept.X_LAST, "v": kept.V_LAST}
 #: Statuses of motions that were followed to their ends.
 FOLLOWED = ("t_end", "equilibrium")
 NO_SECTION = "sections in periods of the drive require Omega, which this Oscillator lacks"
-MODE_TEXTS = np.array(["", *(MODE_NAMES[code] for code in sorted(MODE_NAMES))])
+MODE_TEXTS = np.array(["", *(ALL_MODE_NAMES[code] for code in sorted(ALL_MODE_NAMES))])
 
 
 @public
@@ -269,8 +269,8 @@ class Chunk:
     Making the object follows them to their ends.
     """
 
-    # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers
-    # and their rows at the start: then no events are recorded. `batch` has the last states and what
+    # `buffer` is used meanwhile. `keep`, if given, returns the tally of motions from their numbers,
+    # their rows at the start and their belts there: then no events are recorded. `batch` has the last states and what
     # each motion ended with, `rows` the events in order of motion and time, `alone` the
     # trajectories of motions that were followed alone.
 
@@ -290,10 +290,11 @@ class Chunk:
         if isinf(task.accuracy):  # decisions exceed their own rounding only, as in `in_doubles`
             self.table["sigmas"] = 0.0
         self._starts = self.batch.states.copy()
+        self._planes = planes_of(self._starts, self.table[self.batch.sets])
         self._keep = keep
         self._needed = attainable(task.accuracy, task.problems.start_error)
         if keep:
-            self.tally = keep(rows, self._starts)
+            self.tally = keep(rows, self._starts, self._planes)
         else:
             self.tally = no_tally()
         self.rows = list(self._in_doubles(self.batch, self.tally))
@@ -349,11 +350,9 @@ class Chunk:
         """
         members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
         if self._keep and members:
-            store_tallies(
-                self.tally,
-                members,
-                self._keep(self._first + np.array(members), self._starts[members]),
-            )
+            numbers = self._first + np.array(members)
+            again = self._keep(numbers, self._starts[members], self._planes[members])
+            store_tallies(self.tally, members, again)
         return members
 
     def _in_doubles(self, batch: Batch, tally: Tally) -> Iterator[EventRows]:
@@ -493,7 +492,8 @@ class Chunk:
                 code = REST
             else:
                 code = int(codes[i])
-            status[i] = end_status(code, last.mode, last.v, last.Fb, problem.parameters)
+            row = int(self.table["row"][self.batch.sets[i]])
+            status[i] = end_status(code, last.mode, last.v, last.Fb, problem.parameters, row)
         wanted = self.task.problems.t_end.pairs(slice(self._first, self._first + len(codes))).hi
         given_up = (states["n"] >= FAR_PERIODS) | (states["t_end"] < wanted)
         for i in np.flatnonzero((codes == END) & given_up).tolist():
@@ -591,9 +591,11 @@ class SummaryRequest:
     def __contains__(self, name: str) -> bool:
         return name in self.names
 
-    def start_tallies(self, longest: int, motions: Any, states: np.ndarray) -> Tally:
-        """Return new running summaries of `motions` that begin at `states`, for words of up to
-        `longest` mappings.
+    def start_tallies(
+        self, longest: int, motions: Any, states: np.ndarray, planes: np.ndarray
+    ) -> Tally:
+        """Return new running summaries of `motions` that begin at `states`, on the belts `planes`
+        or none (0), for words of up to `longest` mappings.
         """
         repeats = "multiplicity" in self
         extremes = not EXTREMES.keys().isdisjoint(self.names)
@@ -610,7 +612,7 @@ class SummaryRequest:
         else:
             words = 0
         asked = Kept("stuck" in self, repeats or extremes, extremes, ring, words)
-        return kept.new_tally(states, self.skip[motions], asked)
+        return kept.new_tally(states, planes, self.skip[motions], asked)
 
 
 def summary_of(
@@ -629,9 +631,10 @@ def summary_of(
     tally = chunk.tally
     sets = chunk.batch.sets
     t0 = task.problems.t0.pairs(rows).hi
-    modes = chunk.batch.states["mode"].astype(int)
+    modes = modes_of_law(chunk.batch.states["mode"].astype(int), chunk.table[sets])
     for i, trajectory in chunk.alone.items():
-        modes[i] = tally_alone(i, trajectory, tally, chunk.table, int(sets[i]))
+        first = int(sets[i] - chunk.table["row"][sets[i]])
+        modes[i] = tally_alone(i, trajectory, tally, chunk.table, first)
     status = np.array(chunk.status, dtype=str)
     floats = tally.floats
     columns: Record = {"status": status, "mode": MODE_TEXTS[modes]}
@@ -686,39 +689,64 @@ def words_of(tally: Tally, labels: Sequence[str]) -> np.ndarray:
     return np.array(texts, dtype=str)[numbers]
 
 
-def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, set_: int) -> int:
-    """Fill row `i` of `tally` from a trajectory with the constants in row `set_` of `table`.
+def planes_of(states: np.ndarray, constants: np.ndarray) -> np.ndarray:
+    """Return the belts on which motions start, 0 for none, from their states and constants."""
+    at = states["at"].astype(np.int64)
+    corner = np.where(at == 1, constants["belt1"]["is_corner"], constants["belt2"]["is_corner"])
+    planes: np.ndarray = np.where((at == 0) | (corner != 0.0), 0, at + constants["shift"])
+    return planes
+
+
+def modes_of_law(modes: np.ndarray, constants: np.ndarray) -> np.ndarray:
+    """Return modes of motions as codes of the whole law, from those in their rows of constants."""
+    own = modes.copy()
+    for i in np.flatnonzero(constants["banded"]).tolist():
+        own[i] = mode_of_law(int(modes[i]), constants[i])
+    return own
+
+
+def tally_alone(i: int, trajectory: Trajectory, tally: Tally, table: np.ndarray, first: int) -> int:
+    """Fill row `i` of `tally` from a trajectory whose constants begin in row `first` of `table`.
 
     Return its last mode.
     """
-    # pieces have true times
-    K = ConstantRows(table)[set_]._replace(Om_gain=0.0)
+    rows = ConstantRows(table)
     t0 = float(trajectory.t_start)
-    states = [_state_of_piece(*piece) for piece in trajectory._pieces.T.tolist()]
-    rows = trajectory.rows()
-    floats = (rows.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error"))
-    codes = (rows.ints[1 + CODE_COLUMNS.index(name)].tolist() for name in ("kind", "boundary"))
+    pieces = trajectory._pieces.T.tolist()
+    states = [_state_of_piece(*piece) for piece in pieces]
+    events = trajectory.rows()
+    floats = (
+        events.floats[FLOAT_COLUMNS.index(name)].tolist() for name in ("x", "theta", "t_error")
+    )
+    codes = (events.ints[1 + CODE_COLUMNS.index(name)].tolist() for name in ("kind", "boundary"))
     events_left = list(zip(*floats, *codes, strict=True))[::-1]  # the next one is the last
     last = states[0]
+    K = _true_clock(rows[first + int(pieces[0][-1])])
     reached_end = trajectory.status in FOLLOWED
-    for before, after in pairwise(states):
+    for (before, after), (*_, next_row) in zip(pairwise(states), pieces[1:], strict=True):
         if not (events_left or reached_end):
             break
         # A piece begins with an event, or where a search without an event was over.
         event = NextEvent(MOVED, 0, True, 0.0, after)
         if events_left and events_left[-1][:2] == (after.x, after.theta):
             _, _, t_error, kind, boundary = events_left.pop()
-            event = NextEvent(kind, boundary, True, t_error, after)
+            event = NextEvent(kind, boundary - int(K.shift), True, t_error, after)
         tally_step(i, before, event, 0.0, tally, K)
         last = after
+        K = _true_clock(rows[first + int(next_row)])
     remaining = (float(trajectory.t_end) - t0) - last.t
     finish_tally(i, last, REST if reached_end else RUNNING, remaining, 0.0, tally, K)
     tally.floats[i, kept.T_LAST] += t0
-    return last.mode
+    return int(mode_of_law(last.mode, K))
+
+
+def _true_clock(K: Constants) -> Constants:
+    """Return the constants for pieces of a motion, which have true times."""
+    return K._replace(Om_gain=0.0)
 
 
 def _state_of_piece(
-    n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float
+    n: float, theta: float, mode: float, x: float, v: float, a: float, elapsed: float, _row: float
 ) -> State:
     """Return the State at the start of a piece, without errors: period, phase, mode, x, v,
     acceleration, time.

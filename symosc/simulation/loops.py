@@ -26,7 +26,7 @@ it is locked: two threads that read a budget at once at worst interpret some eve
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any, NamedTuple
@@ -134,11 +134,11 @@ class SearchLoops(NamedTuple):
     doubt: Callable[..., int]
     are_compiled: bool
 
-    def constants(self, K: Constants) -> Any:
-        """Return constants as these functions take them."""
+    def constants(self, rows: Sequence[Constants]) -> Any:
+        """Return rows of constants as these functions take them."""
         if self.are_compiled:
-            return table_of([K])
-        return [K]
+            return table_of(rows)
+        return rows
 
     def motion(self, t_end: float, t_end_low: float, t0: float) -> PlainMotion | MotionInTable:
         """Return a motion as these functions take it, without a state yet."""
@@ -211,17 +211,17 @@ class LoopChoice:
 
         return follow
 
-    def of_single(self, count: int, K: Constants) -> SingleLoop:
-        """Return the loop for a motion that has had `count` events and has the constants K."""
+    def of_single(self, count: int, rows: Sequence[Constants]) -> SingleLoop:
+        """Return the loop for a motion that has had `count` events and has these rows of constants."""
         functions = loaded_loop()
         if functions:
-            return SingleLoop(functions["follow_all"], table_of([K]), LARGEST_BLOCK)
+            return SingleLoop(functions["follow_all"], table_of(rows), LARGEST_BLOCK)
         if count < TURN:
-            return SingleLoop(batch.follow_all, [K], TURN)
+            return SingleLoop(batch.follow_all, rows, TURN)
         follow = self.of_many(None).follow
         if loaded_loop() is None:
-            return SingleLoop(follow, table_of([K]), TURN)
-        return SingleLoop(follow, table_of([K]), LARGEST_BLOCK)
+            return SingleLoop(follow, table_of(rows), TURN)
+        return SingleLoop(follow, table_of(rows), LARGEST_BLOCK)
 
     def of_searches(self) -> SearchLoops:
         """Return the functions that search for single events: compiled only where the event loop

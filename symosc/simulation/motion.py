@@ -8,7 +8,9 @@ doubt, and hands out doubles.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
+from functools import partial
 from math import ceil, inf, log, nan
 from typing import Any, NamedTuple
 
@@ -16,7 +18,13 @@ import numpy as np
 
 from symosc.base.aliases import Number
 from symosc.engine import arithmetic, batch
-from symosc.engine.arithmetic import Arithmetic, MpArithmetic, PairLoops, many_digits
+from symosc.engine.arithmetic import (
+    Arithmetic,
+    MpArithmetic,
+    PairLoops,
+    many_digits,
+    rows_in_doubles,
+)
 from symosc.engine.batch import (
     EventRows,
     event_buffer,
@@ -32,11 +40,14 @@ from symosc.engine.events import (
     EXACT_COLUMNS,
     FLOAT_COLUMNS,
     Event,
+    belt_of_law,
     event_codes,
 )
 from symosc.engine.flow import Constants, belt_at, table_of
+from symosc.engine.next_event import band_beyond, entered
 from symosc.engine.start import (
     Start,
+    begun,
     continued,
     first_state,
     is_steady,
@@ -102,7 +113,12 @@ def fits_pairs(start: Start) -> bool:
     """Return whether double-double numbers (32 digits) are precise enough for a motion from this
     start.
     """
-    return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
+    return (
+        start.start_error is None
+        and start.parameters.law.is_plain
+        and start.spare_digits <= PAIR_SPARE
+        and not settles(start)
+    )
 
 
 class SearchInDoubles:
@@ -111,39 +127,40 @@ class SearchInDoubles:
     Not thread-safe.
     """
 
-    # `K` are the constants with which doubles are tested for doubt (`next_doubt`). The decisions of
-    # `next_event`, for more precise numbers, always exceed the errors of a state.
+    # `rows` are the constants with which doubles are tested for doubt (`next_doubt`). The decisions
+    # of `next_event`, for more precise numbers, always exceed the errors of a state.
 
-    def __init__(self, start: Start, K: Constants) -> None:
+    def __init__(self, start: Start, rows: Sequence[Constants]) -> None:
         self._loops = CHOICE.of_searches()
         end = last_time(start, Arithmetic(start.parameters))
         self._motion = self._loops.motion(*end, float(start.t0))
-        self._careful = self._loops.constants(Arithmetic(start.parameters).K)
-        self._K = self._loops.constants(K)
+        self._careful = self._loops.constants(rows_in_doubles(start.parameters))
+        self._rows = self._loops.constants(rows)
 
-    def next_event(self, state: State) -> tuple[NextEvent, float] | None:
-        """Return the event after `state` and, if undecided, a time before which no wall is met;
-        None on overflow.
+    def next_event(self, state: State, row: int) -> tuple[NextEvent, float] | None:
+        """Return the event after `state`, which has the constants number `row`, and, if undecided, a
+        time before which no wall is met; None on overflow.
         """
         self._motion.put(state)
         CHOICE.searches.events -= 1
         try:
             code, boundary, decided, t_error, free = self._loops.search(
-                self._motion.table, self._careful
+                self._motion.table, self._careful, row
             )
             return NextEvent(code, boundary, decided, t_error, self._motion.state()), free
         except (ArithmeticError, ValueError):
             return None
 
-    def next_doubt(self, state: State, count: int, limits: Limits) -> int:
+    def next_doubt(self, state: State, row: int, count: int, limits: Limits) -> int:
         """Return the number of the first event after number `count` that doubles cannot decide, 0
         if none is near.
         """
         self._motion.put(state)
         CHOICE.searches.events -= batch.LOOK_AHEAD
         try:
+            most, accuracy = limits.most, limits.accuracy
             return int(
-                self._loops.doubt(self._motion.table, count, limits.most, limits.accuracy, self._K)
+                self._loops.doubt(self._motion.table, count, most, accuracy, self._rows, row)
             )
         except (ArithmeticError, ValueError):
             return 0
@@ -154,38 +171,39 @@ class Motion:
 
     # `code` is what the last step ended with, and `decided` whether the numbers at hand decide
     # that; `first_at` is the belt on which the start is, or 0. `begin` is a state from which the
-    # motion goes on, known in all digits, and `K` are the constants by which doubles are in doubt.
+    # motion goes on, known in all digits, with the number of its constants, and `rows` are the
+    # constants by which doubles are in doubt. The arithmetic and its constants K change with the
+    # band in which the motion is.
 
     def __init__(
         self,
         start: Start,
         digits: MpArithmetic | int,
-        begin: State | None = None,
-        K: Constants | None = None,
+        begin: tuple[int, State] | None = None,
+        rows: Sequence[Constants] | None = None,
     ) -> None:
         if isinstance(digits, int):
-            own = many_digits(start.parameters, digits)
+            self._arithmetic = partial(many_digits, start.parameters, digits)
         else:
-            own = digits
+            given = digits
+            self._arithmetic = lambda row: given
         self.start = start
-        self.arithmetic = own
+        in_doubles = rows_in_doubles(start.parameters)
+        self.row, state = begin or begun(start, self._arithmetic)
+        own = self._arithmetic(self.row)
         self.digits = own.digits
-        in_doubles = Arithmetic(start.parameters).K
-        state = begin or first_state(start, own)
+        self._use(self.row)
         (self.t0, t0_low) = own.time(start.t0)
         self._begin = own.inward((self.t0, t0_low))
-        self.K = own.inner_K
-        self.first_at = state.at
+        self.first_at = belt_of_law(state.at, in_doubles[self.row])
         self._t0_low = own.inward(own.number(start.t0 - Fraction(float(start.t0))))
-        if start.start_error:  # rounding is far below it, and it is no standard error
-            self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
         self._state = own.inward(state)
         self._end = own.inward(last_time(start, own))
         if own.fast and not start.start_error:
-            self._search: SearchInDoubles | None = SearchInDoubles(start, K or in_doubles)
+            self._search: SearchInDoubles | None = SearchInDoubles(start, rows or in_doubles)
         else:
             self._search = None
-        self._before = self._state
+        self._before = self.row, self._state
         self._worst = 0.0
         self._events = list[tuple[Any, tuple[int, ...]]]()
         self._columns = list[tuple[Any, ...]]()
@@ -194,8 +212,16 @@ class Motion:
         self.grazes_only = True
         self._rough: State | None = None  # the state in doubles
         self._rounded_t0 = float(start.t0)
-        self._rounded_gain = in_doubles.Om_gain
+        self._rounded_gain = in_doubles[0].Om_gain
         self._record_piece(0.0)
+
+    def _use(self, row: int) -> None:
+        """Take the constants number `row`, and the arithmetic that has them."""
+        self.row = row
+        self.arithmetic = own = self._arithmetic(row)
+        self.K = own.inner_K
+        if self.start.start_error:  # rounding is far below it, and it is no standard error
+            self.K = self.K._replace(sigmas=own.inward(own.number(Fraction(1))))
 
     def missing_digits(self, digits: int) -> int:
         """Return how many more digits the least accurate event needs to have `digits`.
@@ -263,7 +289,8 @@ class Motion:
 
     def undo(self) -> None:
         """Take back the last step: its state, its piece, and its event if it had one."""
-        self._state = self._before
+        row, self._state = self._before
+        self._use(row)
         self._rough = None
         del self._columns[-1]
         if self.code <= GRAZE:
@@ -279,11 +306,12 @@ class Motion:
         else:
             a = 0.0
         elapsed = float(elapsed + self._t0_low)  # rounded once, as in pairs
-        self._columns.append((s.n, *map(float, (s.theta, s.mode, s.x, s.v, a)), elapsed))
+        numbers = map(float, (s.theta, s.mode, s.x, s.v, a))
+        self._columns.append((s.n, *numbers, elapsed, float(self.row)))
 
     def columns(self) -> np.ndarray:
-        """Return period number, theta, mode, x, v, acceleration, time at the start of each piece:
-        (7, pieces).
+        """Return the numbers at the start of each piece, (columns, pieces): see
+        `symosc.engine.batch.PIECE_COLUMNS`.
         """
         return np.array(self._columns, dtype=float).T
 
@@ -291,14 +319,14 @@ class Motion:
         """Advance by one event, or by one interval without events."""
         own = self.arithmetic
         with own.precision():
-            before = self._before = self._state
+            before = self._state
+            self._before = self.row, before
             event = self._next_event(before)
             self.code = event.code
             self.decided = event.decided
             self._state = event.state
             if event.code in (END, REST):
                 return
-            self._record_piece(self._elapsed())
             if event.code <= GRAZE:
                 s = event.state
                 time_with_errors = own.following["time_with_errors"]
@@ -307,6 +335,11 @@ class Motion:
                 )
                 self._record_event(before, event, clock)
                 self.grazes_only = self.grazes_only and event.code == GRAZE
+            way = band_beyond(event.state.mode, self.K)
+            if way:
+                self._state = entered(event.state, way)
+                self._use(self.row + way)
+            self._record_piece(self._elapsed())
 
     def _record_event(self, before: State, event: NextEvent, clock: tuple[Number, ...]) -> None:
         """Store the event `event` after `before`.
@@ -318,7 +351,7 @@ class Motion:
             self._worst, t_error / max(1, abs(t)), x_error / max(1, abs(event.state.x))
         )
         numbers = self.arithmetic.following["event_numbers"](before, event, clock, self.K)
-        self._events.append((numbers, event_codes(before, event)))
+        self._events.append((numbers, event_codes(before, event, self.K)))
 
     def _next_event(self, state: State) -> NextEvent:
         """Return the event after `state` with many digits; doubles search for it where they can."""
@@ -327,7 +360,7 @@ class Motion:
         else:
             rough = None
         if self._search and rough:
-            ahead = self._search.next_event(rough)
+            ahead = self._search.next_event(rough, self.row)
         else:
             ahead = None
         functions = self.arithmetic.following
@@ -367,13 +400,16 @@ class Motion:
 class MotionInPairs:
     """A motion in double-double numbers, followed only until doubles can decide its events again."""
 
-    # It stops before an event that pairs do not decide, or do not know accurately enough. `K` are
-    # the constants by which doubles are in doubt.
+    # It stops before an event that pairs do not decide, or do not know accurately enough. `rows`
+    # are the constants, one row of them, by which doubles are in doubt.
 
-    def __init__(self, start: Start, K: Constants, limits: Limits, loops: PairLoops) -> None:
+    def __init__(
+        self, start: Start, rows: Sequence[Constants], limits: Limits, loops: PairLoops
+    ) -> None:
+        self._start = start
         exact = many_digits(start.parameters, arithmetic.ROUNDED_FROM)
         state = first_state(start, exact)
-        tables = (table_of([constants]) for constants in (K, Arithmetic(start.parameters).K))
+        tables = map(table_of, (rows, rows_in_doubles(start.parameters)))
         self._follow = loops.follow_pairs
         self._K = arithmetic.pair_constants(start.parameters)
         self._limits = batch.PairLimits(
@@ -387,10 +423,11 @@ class MotionInPairs:
         )
         in_doubles["t0"] = float(start.t0)
         self._batch = batch.batch_of(in_doubles)
-        keep_state(self._batch.states[0], rounded(state, float(start.t0), K.Om_gain))
+        keep_state(self._batch.states[0], rounded(state, float(start.t0), rows[0].Om_gain))
         self._events = list[EventRows]()
         self._pieces = list[np.ndarray]()
         self.goal = 0  # the number of events to come to
+        self.row = 0
 
     code = property(
         lambda self: int(self._batch.codes[0]), doc="How the motion ended, as a code, or RUNNING."
@@ -404,10 +441,11 @@ class MotionInPairs:
         """Return the current state in doubles."""
         return state_of(self._batch.states[0])
 
-    def last_sure(self, finer: MpArithmetic) -> State:
-        """Return the state before the first event that pairs cannot decide, in the more precise
-        arithmetic `finer`.
+    def last_sure(self, digits: int) -> tuple[int, State]:
+        """Return the state before the first event that pairs cannot decide, with `digits` digits,
+        and the number of its constants.
         """
+        finer = many_digits(self._start.parameters, digits)
         number = finer.context.mpf
         row = self._pairs[0]
         values = dict[str, Any]()
@@ -415,7 +453,7 @@ class MotionInPairs:
             values[name] = number(float(row[name].real)) + number(float(row[name].imag))
         S = Covariance(*(values.pop(name) for name in Covariance._fields))
         whole = {name: int(values[name]) for name in ("mode", "at", "n")}
-        return continued(State(**(values | whole), S=S), arithmetic.PAIR_EPS, finer)
+        return 0, continued(State(**(values | whole), S=S), arithmetic.PAIR_EPS, finer)
 
     def reach(self, count: int) -> bool:
         """Follow to `count` events, then until doubles can decide again.
@@ -457,16 +495,16 @@ class MotionInDigits(Motion):
     def __init__(
         self,
         start: Start,
-        K: Constants,
+        rows: Sequence[Constants],
         limits: Limits,
         digits: int,
         before: MotionInPairs | MotionInDigits | None,
     ) -> None:
         if before:
-            begin = before.last_sure(many_digits(start.parameters, digits))
+            begin = before.last_sure(digits)
         else:
             begin = None
-        super().__init__(start, digits, begin, K)
+        super().__init__(start, digits, begin, rows)
         self.from_start = before is None
         self.is_known = True
         if before:
@@ -494,7 +532,7 @@ class MotionInDigits(Motion):
                 state = self.rounded_state()
                 search = self._search
                 if search:
-                    self.goal = search.next_doubt(state, self.count, self._limits)
+                    self.goal = search.next_doubt(state, self.row, self.count, self._limits)
                 else:
                     self.goal = 0
                 if self.goal == 0:
@@ -523,11 +561,15 @@ class MotionInDigits(Motion):
             self.is_known = batch.is_below(noise, t_error, t) and batch.is_below(noise, x_error, x)
         told = t, batch.rounding_error(t_error, t), batch.rounding_error(x_error, x)
         numbers = self.arithmetic.following["event_numbers"](before, event, told, self.K)
-        self._events.append((tuple(map(float, numbers)), event_codes(before, event)))
+        self._events.append((tuple(map(float, numbers)), event_codes(before, event, self.K)))
 
-    def last_sure(self, finer: MpArithmetic) -> State:
-        """Return the current state, the last that is known, in the more precise arithmetic `finer`."""
-        return continued(self.state, Fraction(1, 1 << self.arithmetic.context.prec), finer)
+    def last_sure(self, digits: int) -> tuple[int, State]:
+        """Return the current state, the last that is known, with `digits` digits, and the number of
+        its constants.
+        """
+        finer = many_digits(self.start.parameters, digits, self.row)
+        eps = Fraction(1, 1 << self.arithmetic.context.prec)
+        return self.row, continued(self.state, eps, finer)
 
     def take(self) -> tuple[EventRows, np.ndarray]:
         """Return the events and the pieces (parts between steps) found since the last call, as
@@ -554,13 +596,17 @@ class FinerMotion:
     # error is why. If they do not decide the contact, it is a graze. If they do, the next such
     # contact takes twice as many digits: where sticks get shorter, so do gaps. Where a gap has died
     # away below these digits, it begins again with as many as die away until t_end, if that are at
-    # most MOST_FAST. `K` are the constants by which doubles are in doubt, `now` is the motion in
+    # most MOST_FAST. `rows` are the constants by which doubles are in doubt, `now` is the motion in
     # the precision at hand.
 
     def __init__(
-        self, start: Start, K: Constants, limits: Limits, loops: PairLoops | None = None
+        self,
+        start: Start,
+        rows: Sequence[Constants],
+        limits: Limits,
+        loops: PairLoops | None = None,
     ) -> None:
-        self._problem = start, K, limits
+        self._problem = start, rows, limits
         self._least = FINER_DIGITS + start.spare_digits
         self._asked_at = inf  # the number of events before the contact that took more digits
         self.events = list[EventRows]()
@@ -691,13 +737,13 @@ def digits_to_confirm_graze(
     # are fooled by that. A start that is on the steady motion has none of it, until something else
     # than a graze happens.
     start = motion.start
-    K = Arithmetic(start.parameters).K
+    K = Arithmetic(start.parameters, motion.row).K
     if K.under:
-        fast = K.h
-        slow = K.h
+        fast = max(K.h, 0.0)
+        slow = fast
     else:
-        fast = -K.l2
-        slow = -K.l1
+        fast = max(-K.l2, 0.0)
+        slow = max(-K.l1, 0.0)
     fast_digits, slow_digits = (ceil(float(elapsed) * rate / log(10)) for rate in (fast, slow))
     if is_steady(start) and motion.grazes_only:
         fast_digits = 0

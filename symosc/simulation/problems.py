@@ -20,10 +20,10 @@ import numpy as np
 from symosc.base.errors import ParameterError
 from symosc.base.exact import LARGEST, scalar_of, show, unmasked
 from symosc.base.quantities import forcing_periods, least, read_number
-from symosc.engine.arithmetic import Arithmetic
+from symosc.engine.arithmetic import Arithmetic, rows_in_doubles
 from symosc.engine.batch import Batch, batch_of
 from symosc.engine.flow import ConstantRows, TableLoops, constant_table, table_of
-from symosc.engine.start import MOST_PERIODS, Start, first_row, start_rows
+from symosc.engine.start import MOST_PERIODS, Start, first_row_in_doubles, start_rows
 from symosc.engine.state import PAIR_ROW, STATE_ROW
 from symosc.friction import BELT_NAMES, REQUIRED_OF_BELT, TWO_BELTS
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
@@ -249,6 +249,8 @@ class ParameterSets:
         self._known = dict[int, Model]()
         self.columns = dict[str, NumberColumn]()
         self._is_object = False
+        #: Whether all have one row of constants (`symosc.friction.FrictionLaw.is_plain`).
+        self.are_plain = True
         if isinstance(parameters, Mapping):
             self._read_mapping(parameters)
             return
@@ -268,6 +270,7 @@ class ParameterSets:
         self._known = dict(enumerate(sets))
         self.count = len(sets)
         self._is_object = len(sets) == 1
+        self.are_plain = all(p.law.is_plain for p in sets)
         self.names = _common_names(sets)
 
     def _read_mapping(self, parameters: Mapping[str, Any]) -> None:
@@ -346,8 +349,19 @@ class ParameterSets:
         ]
         return np.stack(columns, axis=1)
 
-    def table(self, rows: slice, loops: TableLoops) -> np.ndarray:
-        """Return a table of the constants of the sets in `rows`, computed by `loops`."""
+    def table(self, rows: slice, loops: TableLoops) -> tuple[np.ndarray, np.ndarray]:
+        """Return a table of the constants of the sets in `rows`, computed by `loops`, and the number
+        of the first row of each set in it.
+        """
+        if self.are_plain:
+            table = self._plain_table(rows, loops)
+            return table, np.arange(len(table))
+        parts = [rows_in_doubles(self[i]) for i in range(rows.start, rows.stop)]
+        lengths = [len(part) for part in parts]
+        return table_of(K for part in parts for K in part), np.cumsum([0, *lengths[:-1]])
+
+    def _plain_table(self, rows: slice, loops: TableLoops) -> np.ndarray:
+        """Return the table of sets that have one row each."""
         if self._is_object:
             return table_of([Arithmetic(self[0]).K])
         if rows.stop == rows.start:
@@ -431,24 +445,38 @@ class Problems:
         `ParameterSets.table`).
         """
         size = rows.stop - rows.start
-        table = self.sets.table(rows if len(self.sets) != 1 else slice(0, 1), loops)
-        if len(self.sets) > 1:
-            sets = np.arange(size)
-        else:
-            sets = np.zeros(size, np.int64)
+        table, first = self.sets.table(rows if len(self.sets) != 1 else slice(0, 1), loops)
+        sets = np.broadcast_to(first, size).copy()
         if len(self) <= BEGUN_ALONE:
             states = np.empty(size, STATE_ROW)
             unclear = np.ones(size, dtype=bool)
         else:
-            states, unclear = self._start_rows(rows, table)
+            if not self.sets.are_plain:
+                sets = self._bands(rows, table, sets)
+            states, unclear = self._start_rows(rows, table, sets)
+            sets[unclear] = np.broadcast_to(first, size)[unclear]
         for i in np.flatnonzero(unclear).tolist():
-            problem = self[rows.start + i]
-            states[i] = first_row(problem, Arithmetic(problem.parameters))
+            row, states[i] = first_row_in_doubles(self[rows.start + i])
+            sets[i] += row
         return batch_of(states, sets), table
 
-    def _start_rows(self, rows: slice, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _bands(self, rows: slice, table: np.ndarray, first: np.ndarray) -> np.ndarray:
+        """Return the rows of `table` in which motions start, given those where their laws begin."""
+        v = np.broadcast_to(self.v0.pairs(rows).hi, len(first))
+        bands = first.copy()
+        while True:
+            beyond = v > table["belt2"]["v"][bands]
+            if not beyond.any():
+                return bands
+            bands[beyond] += 1
+
+    def _start_rows(
+        self, rows: slice, table: np.ndarray, sets: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return the first states of the motions in `rows` in doubles, and flags of those to be
         begun one by one.
+
+        `sets` are the rows of `table` that have their constants.
         """
         size = rows.stop - rows.start
         unclear = np.zeros(size, dtype=bool)
@@ -456,10 +484,14 @@ class Problems:
         t0, t_end, x0, v0 = (
             column.pairs(rows) for column in (self.t0, self.t_end, self.x0, self.v0)
         )
-        for boundary in self.sets.boundaries:
-            same, alike = self._at_belt(boundary, rows)
-            at[same] = boundary
-            unclear[alike] = True
+        if self.sets.are_plain:
+            for boundary in self.sets.boundaries:
+                same, alike = self._at_belt(boundary, rows)
+                at[same] = boundary
+                unclear[alike] = True
+        else:
+            for edge in ("belt1", "belt2"):
+                unclear |= v0.hi == table[edge]["v"][sets]
         Omega = self.sets.column("Omega").pairs(rows)
         angle = Omega * t0
         theta = angle - TWO_PI_COLUMN * PairColumn(np.floor((angle / TWO_PI_COLUMN).hi))
@@ -471,8 +503,10 @@ class Problems:
         times = np.broadcast_arrays(t0.hi, t0.lo, t_end.hi, t_end.lo, t0.hi)
         if len(table) == 1:
             K = ConstantRows(table)[0]
-        else:
+        elif self.sets.are_plain:
             K = table.view(np.recarray)
+        else:
+            K = table[sets].view(np.recarray)
         driven = np.asarray(K.driven) != 0
         # 6/Omega is a little less than a period, 0.9 chunk than what one search covers.
         longest = np.where(driven, 6.0 / Omega.hi, 0.9 * np.asarray(K.chunk)) * MOST_PERIODS
@@ -503,7 +537,8 @@ class Problems:
         """
         v = self.v0.pairs(rows).hi
         B0 = self.sets.column("B0").pairs(rows).hi
-        apart = np.full(len(rows), self.start_error is None) & (B0 != 0.0)
+        is_exact = self.start_error is None
+        apart = np.full(len(rows), is_exact and self.sets.are_plain) & (B0 != 0.0)
         for boundary in self.sets.boundaries:
             apart &= (at == boundary) | (
                 abs(v - self.sets.column(f"v{boundary}").pairs(rows).hi) > gap

@@ -30,15 +30,15 @@ from symosc.base.exact import (
     whole_number,
 )
 from symosc.engine import batch as engine_batch
-from symosc.engine.arithmetic import Arithmetic, PairLoops, mp_context
+from symosc.engine.arithmetic import PairLoops, mp_context, rows_in_doubles
 from symosc.engine.batch import EventRows, joined, keep_state, piece_buffer, state_of
-from symosc.engine.flow import clock_time
+from symosc.engine.events import belt_of_law, mode_of_law
+from symosc.engine.flow import Constants, clock_time
 from symosc.engine.start import (
     MOST_PERIODS,
     Start,
-    first_state,
+    first_row_in_doubles,
     is_far,
-    last_time,
     longest_span,
     settles,
 )
@@ -55,6 +55,7 @@ from symosc.engine.state import (
     State,
 )
 from symosc.engine.summary import no_tally
+from symosc.friction import ALL_MODE_NAMES
 from symosc.model import Model
 from symosc.reductions import OtherModel
 from symosc.scenes import (
@@ -267,24 +268,25 @@ def in_doubles(
     # It is a batch of one. Given `loops` in pairs, these come before digits whatever is loaded,
     # with the noise that `simulate_many` allows. With accuracy inf decisions exceed their own
     # rounding only, not the errors of the state.
-    arithmetic = Arithmetic(start.parameters)
+    constants = rows_in_doubles(start.parameters)
     needed = attainable(accuracy, start.start_error)
     t0 = float(start.t0)
     if isinf(accuracy):
-        K = arithmetic.K._replace(sigmas=0.0)
-    else:
-        K = arithmetic.K
+        constants = tuple(K._replace(sigmas=0.0) for K in constants)
     if loops:
         limits = Limits(most, needed, PAIR_NOISE)
     else:
         limits = Limits(most, needed)
-    first = first_state(start, arithmetic)
     finer = None
     decided = True
-    row = engine_batch.row_of(first, *last_time(start, arithmetic))
+    row, first = first_row_in_doubles(start)
     first_piece = piece_buffer(1)
-    batch = engine_batch.batch_of(np.array([row], STATE_ROW))
-    engine_batch.write_piece(first_piece, 0, first, float(start.t0 - Fraction(first.t)))
+    batch = engine_batch.batch_of(np.array([first], STATE_ROW), np.array([row]))
+    state = state_of(batch.states[0])
+    first_at = belt_of_law(state.at, constants[row])
+    engine_batch.write_piece(
+        first_piece, 0, state, float(start.t0 - Fraction(state.t)), constants[row]
+    )
     events = list[EventRows]()
     pieces = [first_piece]
     count = 0
@@ -293,7 +295,7 @@ def in_doubles(
     else:
         code = RUNNING
     while code == RUNNING:
-        loop = CHOICE.of_single(count, K)
+        loop = CHOICE.of_single(count, constants)
         size = min(loop.most_events, max(FIRST_BLOCK, 8 * count))
         out = engine_batch.event_buffer(size)
         parts = piece_buffer(size)
@@ -305,7 +307,7 @@ def in_doubles(
         count = int(batch.counts[0])
         code = int(batch.codes[0])
         if code in NEEDS_DIGITS:
-            finer = finer or FinerMotion(start, K, limits, loops)
+            finer = finer or FinerMotion(start, constants, limits, loops)
             # An event that doubles do not decide is not counted yet; one that is INEXACT is.
             decided = finer.reach(count + (code == UNDECIDED))
             events = list(finer.events)
@@ -318,15 +320,15 @@ def in_doubles(
             else:
                 code = RUNNING
             keep_state(batch.states[0], now.rounded_state())
+            batch.sets[0] = now.row
             batch.counts[0] = count
             batch.codes[0] = code
             if not decided:
                 break
         if advance:
             state = state_of(batch.states[0])
-            advance(
-                _part_done(start, clock_time(state.t - t0, state.t_low, 0.0, K), count, most), count
-            )
+            elapsed = clock_time(state.t - t0, state.t_low, 0.0, constants[0])
+            advance(_part_done(start, elapsed, count, most), count)
     rows = joined(events)
     last = float(start.t_end)
     if finer and not decided:
@@ -338,9 +340,10 @@ def in_doubles(
         status = "max_events"
         message = f"stopped after max_events = {most} events, at t = {last!r}"
     else:
-        status, message = _ended(start, code, state_of(batch.states[0]))
+        last_row = int(batch.sets[0])
+        status, message = _ended(start, code, state_of(batch.states[0]), constants[last_row])
     all_pieces = np.concatenate(pieces, axis=1)
-    return Trajectory(start.parameters, rows, all_pieces, status, message, (t0, last), first.at)
+    return Trajectory(start.parameters, rows, all_pieces, status, message, (t0, last), first_at)
 
 
 def _part_done(start: Start, elapsed: Number, count: int, most: int) -> float:
@@ -399,7 +402,8 @@ def in_digits(start: Start, most: int, digits: int, advance: Advance = None) -> 
         status = "undecidable"
         message = _open_contact(start, float(last), working, digits)
     elif settled or motion.ended:
-        status, message = _ended(start, REST if settled else motion.code, motion.state)
+        K = rows_in_doubles(start.parameters)[motion.row]
+        status, message = _ended(start, REST if settled else motion.code, motion.state, K)
         last = motion.arithmetic.number(start.t_end)
     else:
         status = "max_events"
@@ -430,16 +434,18 @@ def check_reached(start: Start) -> None:
     raise ParameterError("t_end", show(start.t_end), reason)
 
 
-def end_status(code: int, mode: int, v: Number, force: Number, p: Model) -> str:
+def end_status(code: int, mode: int, v: Number, force: Number, p: Model, row: int) -> str:
     """Return the status "t_end" or "equilibrium" of a motion that ended with `code` END or REST.
 
-    `mode`, velocity `v` and acceleration `force` are those at its last event, or at its start.
+    `mode`, velocity `v` and acceleration `force` are those at its last event, or at its start;
+    `row` is the number of its constants.
     """
     if code != REST:
         return "t_end"
     if mode <= ON_BELT:
         rests = v == 0 and force == 0
-        fades = p.c > 0 and (p.k > 0 or p.A(mode) == 0)
+        force_here = p.A0 + p.law.rows[row].forces[mode - 1]
+        fades = p.law.damping(p.c, row) > 0 and (p.k > 0 or force_here == 0)
         settles = p.B0 == 0 and (rests or fades)
     else:
         settles = v == 0
@@ -448,20 +454,19 @@ def end_status(code: int, mode: int, v: Number, force: Number, p: Model) -> str:
     return "t_end"
 
 
-def _ended(start: Start, code: int, state: State) -> tuple[str, str]:
-    """Return status and message of a motion that ended in `state`: at its end (END) or with no
-    event left (REST).
+def _ended(start: Start, code: int, state: State, K: Constants) -> tuple[str, str]:
+    """Return status and message of a motion that ended in `state`, with the constants K: at its end
+    (END) or with no event left (REST).
     """
     if code != REST:
         check_reached(start)
-    status = end_status(code, state.mode, state.v, state.Fb, start.parameters)
+    status = end_status(code, state.mode, state.v, state.Fb, start.parameters, K.row)
     message = f"reached t_end = {show(start.t_end)}"
     if status == "equilibrium":
-        held = state.mode > ON_BELT
-        if held:
-            where = f"at rest on belt {state.mode - ON_BELT}"
+        if state.mode > ON_BELT:
+            where = f"at rest on belt {belt_of_law(state.mode - ON_BELT, K)}"
         else:
-            where = f"settling to rest in Omega{state.mode}"
+            where = f"settling to rest in {ALL_MODE_NAMES[mode_of_law(state.mode, K)]}"
         message = f"from t = {float(state.t)!r} {where}, no event will come any more"
     return status, message
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from bisect import bisect_right
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from pathlib import Path
@@ -19,12 +19,19 @@ from symosc.base.display.frames import imported
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact, show, unmasked, whole_number
 from symosc.base.files import write_text
-from symosc.engine.arithmetic import Arithmetic, column_functions
+from symosc.engine.arithmetic import column_functions, rows_in_doubles
 from symosc.engine.batch import PIECE_COLUMNS, EventRows
-from symosc.engine.events import COLUMN_TYPES, EVENT_COLUMNS, EXACT_COLUMNS, Event, events_from
-from symosc.engine.flow import constant_force
-from symosc.engine.state import ON_BELT
-from symosc.friction import MODE_NAMES, geometry
+from symosc.engine.events import (
+    COLUMN_TYPES,
+    EVENT_COLUMNS,
+    EXACT_COLUMNS,
+    Event,
+    events_from,
+    mode_of_law,
+)
+from symosc.engine.flow import Constants, constant_force
+from symosc.engine.state import MIDDLE, ON_BELT
+from symosc.friction import ALL_MODE_NAMES, geometry
 from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_with_drive
@@ -41,6 +48,7 @@ TIMES_TOGETHER = 1 << 16
 # Rows of the array of pieces that are used alone.
 MODE_ROW = PIECE_COLUMNS.index("mode")
 ELAPSED_ROW = PIECE_COLUMNS.index("elapsed")
+BAND_ROW = PIECE_COLUMNS.index("row")
 
 
 @cache
@@ -143,7 +151,7 @@ class Trajectory(Drawable):
         self._t0 = float(self.t_start)
         self._first_at = first_at
         self._pieces = pieces
-        self._K = Arithmetic(parameters).K  # they are kept
+        self._rows_of_constants = rows_in_doubles(parameters)  # they are kept
 
     @cached_property
     def events(self) -> Listing[Event]:
@@ -173,7 +181,7 @@ class Trajectory(Drawable):
         labels = map_labels(len(self.parameters.law.belts))
         plane = self._first_at
         since = self.t_start
-        mode = MODE_NAMES[int(self._pieces[MODE_ROW, 0])]
+        mode = self._mode_of_piece(0)
         for event in self.events:
             label = labels.get((plane, mode, event.boundary))
             segments.append(Segment(since, event.t, mode, label))
@@ -214,10 +222,8 @@ class Trajectory(Drawable):
         require(*ARRAY_LIKE, t=t)
         times = read_times(t)
         self._check_times(times)
-        names = [
-            MODE_NAMES[int(mode)]
-            for mode in self._pieces[MODE_ROW, self._pieces_at(times.ravel() - self._t0)]
-        ]
+        pieces = self._pieces_at(times.ravel() - self._t0)
+        names = [self._mode_of_piece(piece) for piece in pieces.tolist()]
         if times.ndim == 0:
             return names[0]
         return np.array(names).reshape(times.shape)
@@ -226,16 +232,38 @@ class Trajectory(Drawable):
     def force(self, alpha: int, t: ArrayLike) -> Any:
         """Return F^(alpha) of eq. (9), the acceleration that domain `alpha` would give, at times
         `t`.
+
+        Where the friction in the domain depends on the velocity, and this is outside of it, the
+        band beside the belt counts.
         """
         require(*ARRAY_LIKE, t=t)
         times = read_times(t)
-        K = self._K
-        A = constant_force(whole_number("alpha", alpha, 1, len(self.parameters.law.belts) + 1), K)
+        alpha = whole_number("alpha", alpha, 1, len(self.parameters.law.belts) + 1)
         x, v, c = self._states(times)
-        forces = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
+        forces = np.empty_like(x)
+        for K, A, here in self._bands_of(alpha, v):
+            forces[here] = acceleration(x[here], v[here], c[here], A, K.cm, K.w0sq, K.f0)
         if times.ndim:
             return forces.reshape(times.shape)
         return forces.item()
+
+    def _bands_of(self, alpha: int, v: np.ndarray) -> Iterator[tuple[Constants, float, np.ndarray]]:
+        """Yield the constants of each band of a domain, the constant force there, and the places in
+        `v` of the velocities for which they count.
+        """
+        first, *others = self._rows_of_constants
+        if not first.banded:
+            yield first, constant_force(alpha, first), np.arange(len(v))
+            return
+        bands = [K for K in (first, *others) if K.shift + MIDDLE == alpha]
+        band_of = np.searchsorted([K.belt2.v for K in bands[:-1]], v)
+        for number, K in enumerate(bands):
+            yield K, K.A2, np.flatnonzero(band_of == number)
+
+    def _mode_of_piece(self, piece: int) -> str:
+        """Return the name of the mode in a piece of the motion."""
+        K = self._rows_of_constants[int(self._pieces[BAND_ROW, piece])]
+        return ALL_MODE_NAMES[mode_of_law(int(self._pieces[MODE_ROW, piece]), K)]
 
     def _check_times(self, times: np.ndarray) -> None:
         """Raise ParameterError for a time that is out of range."""
@@ -253,10 +281,10 @@ class Trajectory(Drawable):
         if not float(self.t_start) <= t <= float(self.t_end):
             self._check_times(np.array([t]))
         elapsed = t - self._t0
-        K = self._K
-        _, theta, mode, x, v, a, since = self._pieces[
+        _, theta, mode, x, v, a, since, row = self._pieces[
             :, max(bisect_right(self._starts, elapsed) - 1, 0)
         ].tolist()
+        K = self._rows_of_constants[int(row)]
         tau = max(elapsed - since, 0.0)
         turn = K.Om * (tau % K.period if tau > K.period else tau)
         s_Om = sin(turn)
@@ -283,26 +311,43 @@ class Trajectory(Drawable):
                 .T
             )
         self._check_times(times)
-        K = self._K
         states = np.empty((3, len(times)))
-        own = column_functions()
-        sine_cosine = own["sine_cosine"]
         for begin in range(0, len(times), TIMES_TOGETHER):
             part = slice(begin, begin + TIMES_TOGETHER)
             elapsed = times[part] - self._t0
-            _, theta, mode, x, v, a, since = self._pieces[:, self._pieces_at(elapsed)]
-            tau = np.maximum(elapsed - since, 0.0)
-            s0, c0 = sine_cosine(theta)
-            drive = sine_cosine(K.Om * np.where(tau > K.period, tau % K.period, tau))
-            E0, E1, E2, R2, I2, s_Om, c_Om = own["basis_with_drive"](tau, *drive, K)
-            dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-            held = mode > ON_BELT
-            states[:, part] = (
+            pieces = self._pieces_at(elapsed)
+            if len(self._rows_of_constants) == 1:
+                states[:, part] = self._states_together(elapsed, pieces, 0)
+                continue
+            rows = self._pieces[BAND_ROW, pieces]
+            for row in np.unique(rows):
+                here = np.flatnonzero(rows == row)
+                states[:, begin + here] = self._states_together(
+                    elapsed[here], pieces[here], int(row)
+                )
+        return states
+
+    def _states_together(self, elapsed: np.ndarray, pieces: np.ndarray, row: int) -> np.ndarray:
+        """Return x, v and cosine of the phase, (3, n), at times since t0 in pieces with the
+        constants number `row`.
+        """
+        K = self._rows_of_constants[row]
+        own = column_functions()
+        sine_cosine = own["sine_cosine"]
+        _, theta, mode, x, v, a, since, _ = self._pieces[:, pieces]
+        tau = np.maximum(elapsed - since, 0.0)
+        s0, c0 = sine_cosine(theta)
+        drive = sine_cosine(K.Om * np.where(tau > K.period, tau % K.period, tau))
+        E0, E1, E2, R2, I2, s_Om, c_Om = own["basis_with_drive"](tau, *drive, K)
+        dx, dv, _ = motion(v, a, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+        held = mode > ON_BELT
+        return np.stack(
+            (
                 x + np.where(held, v * tau, dx),
                 v + np.where(held, 0.0, dv),
                 c0 * c_Om - s0 * s_Om,
             )
-        return states
+        )
 
     @public
     def samples(self, times: int | ArrayLike) -> MotionSamples:
