@@ -88,10 +88,6 @@ class BeltConstants(NamedTuple):
     """
 
     v: Number  # speed of the belt, or of the corner; infinite where there is no such belt
-    is_corner: bool  # whether only the slope of the friction changes here
-    # whether a motion that is over rests on this corner: there is no drive, its speed is 0, and the
-    # damping is not negative on either side
-    is_rest: bool
     J: Number  # F^(below) - F^(above) = 2 mu FN/m
     E: Number  # by how much static friction exceeds kinetic friction: (mu_s - mu) FN/m
     hold: Number  # J + 2 E, the width of the range of forces that hold the mass
@@ -103,6 +99,10 @@ class BeltConstants(NamedTuple):
     # signs of F^(below) and F^(above) on the belt without spring and drive: of A_alpha - c v
     limit_below: Number
     limit_above: Number
+    is_corner: bool  # whether only the slope of the friction changes here
+    # whether a motion that is over rests on this corner: there is no drive, its speed is 0, and the
+    # damping is not negative on either side
+    is_rest: bool
 
 
 class MarchConstants(NamedTuple):

@@ -170,8 +170,8 @@ def belts(boundary, K):
     s_cr = select(first, belt1.s_cr, belt2.s_cr)
     c_cr = select(first, belt1.c_cr, belt2.c_cr)
     angle = select(first, belt1.angle, belt2.angle)
-    # Lanes do not ask for the two limits: v stands in their fields.
-    return BeltConstants(v, J, E, hold, drift, turns, s_cr, c_cr, angle, v, v)
+    # Lanes do not ask for the two limits, nor whether it is a corner: v stands in these fields.
+    return BeltConstants(v, J, E, hold, drift, turns, s_cr, c_cr, angle, v, v, v, v)
 
 
 def suits_lanes(K):

@@ -663,13 +663,13 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
     planes = [(boundary, start.mode)]  # the belt at each point, and the mode after it
     code = END
     loops = CHOICE.of_searches()
-    constants = loops.constants(K)
+    constants = loops.constants([K])
     t_end = MOST_PERIODS_FOLLOWED * K.period
     motion = loops.motion(t_end, 0.0, t_end)
     motion.put(state)
     for _ in range(SEARCHES_PER_EVENT * most):  # searches that end without an event count too
         CHOICE.searches.events -= 1
-        code, belt_met, _, _, _ = loops.search(motion.table, constants)
+        code, belt_met, _, _, _ = loops.search(motion.table, constants, 0)
         state = motion.state()
         if code in (CROSS, STICK, SLIP):
             points.append((state.x, 2 * pi * state.n + state.theta))

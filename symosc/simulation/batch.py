@@ -214,8 +214,8 @@ def warm() -> list[Warmed]:
             (loops.settle, (no_tally(), nothing, table, np.zeros((0, 0, 2)), nothing)),
         ],
         "events of single motions": [
-            (doubles["search_row"], (row, table)),
-            (doubles["doubt_row"], (row, 0, 1, 1.0, table)),
+            (doubles["search_row"], (row, table, 0)),
+            (doubles["doubt_row"], (row, 0, 1, 1.0, table, 0)),
         ],
         "events in double-double numbers": [
             (pairs.first_pairs, (pair_rows, K)),

@@ -700,8 +700,9 @@ def planes_of(states: np.ndarray, constants: np.ndarray) -> np.ndarray:
 def modes_of_law(modes: np.ndarray, constants: np.ndarray) -> np.ndarray:
     """Return modes of motions as codes of the whole law, from those in their rows of constants."""
     own = modes.copy()
+    rows = constants.view(np.recarray)
     for i in np.flatnonzero(constants["banded"]).tolist():
-        own[i] = mode_of_law(int(modes[i]), constants[i])
+        own[i] = mode_of_law(int(modes[i]), rows[i])
     return own
 
 

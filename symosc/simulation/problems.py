@@ -349,16 +349,11 @@ class ParameterSets:
         ]
         return np.stack(columns, axis=1)
 
-    def table(self, rows: slice, loops: TableLoops) -> tuple[np.ndarray, np.ndarray]:
-        """Return a table of the constants of the sets in `rows`, computed by `loops`, and the number
-        of the first row of each set in it.
-        """
+    def table(self, rows: slice, loops: TableLoops) -> np.ndarray:
+        """Return a table of the constants of the sets in `rows`, computed by `loops`."""
         if self.are_plain:
-            table = self._plain_table(rows, loops)
-            return table, np.arange(len(table))
-        parts = [rows_in_doubles(self[i]) for i in range(rows.start, rows.stop)]
-        lengths = [len(part) for part in parts]
-        return table_of(K for part in parts for K in part), np.cumsum([0, *lengths[:-1]])
+            return self._plain_table(rows, loops)
+        return table_of(K for i in range(rows.start, rows.stop) for K in rows_in_doubles(self[i]))
 
     def _plain_table(self, rows: slice, loops: TableLoops) -> np.ndarray:
         """Return the table of sets that have one row each."""
@@ -445,7 +440,8 @@ class Problems:
         `ParameterSets.table`).
         """
         size = rows.stop - rows.start
-        table, first = self.sets.table(rows if len(self.sets) != 1 else slice(0, 1), loops)
+        table = self.sets.table(rows if len(self.sets) != 1 else slice(0, 1), loops)
+        first = np.flatnonzero(table["row"] == 0)  # where the constants of a set begin
         sets = np.broadcast_to(first, size).copy()
         if len(self) <= BEGUN_ALONE:
             states = np.empty(size, STATE_ROW)

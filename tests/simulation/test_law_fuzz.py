@@ -19,10 +19,10 @@ CAUGHT_WITHIN = 30  # scenes of a family that shows the mistake
 
 
 @sample_of(1, 60)
-@pytest.mark.parametrize("family", STATIC)
+@pytest.mark.parametrize("family", STATIC | CURVES)
 def test_random_laws(family: str, count: int) -> None:
     for number in range(count):
-        verdict = law_fuzz.verdict_of(scene_of(family, SEED, number), ["simulate", "digits"])
+        verdict = law_fuzz.verdict_of(scene_of(family, SEED, number, 3), ["simulate", "digits"])
         assert not verdict.faults, law_fuzz.report(verdict, SEED)
 
 

@@ -88,10 +88,10 @@ def test_a_single_motion_imports_no_numba_before_it_has_had_many_events(
 ) -> None:
     functions = with_compiled(monkeypatch, True)
     choice = LoopChoice()
-    assert choice.of_single(TURN - 1, K) == (batch.follow_all, [K], TURN)
-    assert choice.of_single(TURN, K).follow is functions["follow_all"]
+    assert choice.of_single(TURN - 1, [K]) == (batch.follow_all, [K], TURN)
+    assert choice.of_single(TURN, [K]).follow is functions["follow_all"]
     monkeypatch.setattr(loops, "loaded_loop", lambda: functions)
-    assert choice.of_single(0, K).follow is functions["follow_all"]
+    assert choice.of_single(0, [K]).follow is functions["follow_all"]
 
 
 @pytest.mark.parametrize("there", [True, False])
