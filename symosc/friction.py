@@ -242,7 +242,7 @@ class RowOfLaw(NamedTuple):
     domain: int
 
 
-class Place(NamedTuple):
+class PlaceInLaw(NamedTuple):
     """Where a velocity lies: the number of its row, there its domain (1, 2 or 3), and the edge that
     has this velocity (1 below the middle domain, 2 above it, 0 none; then `domain` is below it).
     """
@@ -376,13 +376,13 @@ class FrictionLaw:
             total_force += (side * line.mu + line.slope * belt.v) * self.FN
         return total_slope, total_force
 
-    def place_of(self, v: Any) -> Place:
+    def place_of(self, v: Any) -> PlaceInLaw:
         """Return where a velocity lies."""
         if self.is_plain:
-            return Place(0, self.domain_of(v), self.boundary_of(v))
+            return PlaceInLaw(0, self.domain_of(v), self.boundary_of(v))
         speeds = [edge.v for edge in self.edges]
         row = sum(v > speed for speed in speeds)
-        return Place(row, 2, 2 if v in speeds else 0)
+        return PlaceInLaw(row, 2, 2 if v in speeds else 0)
 
     def force(self, domain: int) -> Any:
         """Return the sum of all friction forces on the mass in a domain (eq. (5)).

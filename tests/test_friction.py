@@ -9,7 +9,15 @@ from itertools import pairwise
 import pytest
 
 from symosc import Parameters
-from symosc.friction import ALL_MODE_NAMES, MAPS, MODE_NAMES, NEIGHBOURS, BeltNumbers, FrictionLaw, geometry
+from symosc.friction import (
+    ALL_MODE_NAMES,
+    MAPS,
+    MODE_NAMES,
+    NEIGHBOURS,
+    BeltNumbers,
+    FrictionLaw,
+    geometry,
+)
 from symosc.kernels.theorem7_cases import PLACES
 
 #: Eqs. (10) to (17): superscript and belt of the planes where a mapping starts and ends, its domain.

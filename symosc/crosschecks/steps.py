@@ -246,6 +246,8 @@ def follow_steps(parameters: Model, t: Any, x: Any, v: Any, near: Any, scales: A
     mass that is held does not leave by a rounding error.
     """
     # Where a time is repeated nothing moves: the defect is the jump.
+    if not parameters.law.is_plain:
+        _ = parameters.parameters  # refuses a law of several bands
     K = Arithmetic(parameters).K._replace(sigmas=0.0)
     count = len(t) - 1
     near = np.broadcast_to(near, count + 1)

@@ -344,9 +344,9 @@ def lies_within(i, state, tau, seen, open_ends, tally, K):
 
     `open_ends` says which extremes are in question. Two flights in one band differ, at equal times
     since their launch, by a steady motion, driven by the difference of their drives, plus a free
-    motion, the root of whose energy dv^2 + (k/m) dx^2 never grows by more than `K.growth`. Where these two are not separated (near
-    resonance), the root of the energy grows no faster than the difference of the drives, which is
-    B0/m times that of the phases.
+    motion, the root of whose energy dv^2 + (k/m) dx^2 never grows by more than `K.growth`. Where
+    these two are not separated (near resonance), the root of the energy grows no faster, but for
+    this factor, than the difference of the drives, which is B0/m times that of the phases.
     """
     if K.w0 == 0.0:  # without a spring the energy says nothing of x
         return False

@@ -8,7 +8,7 @@ doubt, and hands out doubles.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import partial
 from math import ceil, inf, log, nan
@@ -183,7 +183,9 @@ class Motion:
         rows: Sequence[Constants] | None = None,
     ) -> None:
         if isinstance(digits, int):
-            self._arithmetic = partial(many_digits, start.parameters, digits)
+            self._arithmetic: Callable[[int], MpArithmetic] = partial(
+                many_digits, start.parameters, digits
+            )
         else:
             given = digits
             self._arithmetic = lambda row: given

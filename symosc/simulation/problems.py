@@ -19,13 +19,13 @@ import numpy as np
 
 from symosc.base.errors import ParameterError
 from symosc.base.exact import LARGEST, scalar_of, show, unmasked
-from symosc.base.quantities import forcing_periods, least, read_number
+from symosc.base.quantities import forcing_periods, least, number_of_belt, read_number
 from symosc.engine.arithmetic import Arithmetic, rows_in_doubles
 from symosc.engine.batch import Batch, batch_of
 from symosc.engine.flow import ConstantRows, TableLoops, constant_table, table_of
 from symosc.engine.start import MOST_PERIODS, Start, first_row_in_doubles, start_rows
 from symosc.engine.state import PAIR_ROW, STATE_ROW
-from symosc.friction import BELT_NAMES, REQUIRED_OF_BELT, TWO_BELTS
+from symosc.friction import BELT_NAMES, PAPER_BELTS, REQUIRED_OF_BELT, TWO_BELTS
 from symosc.kernels.double_double import TWO_PI_PAIR, two_product
 from symosc.kernels.pair_columns import PairColumn
 from symosc.model import (
@@ -275,6 +275,9 @@ class ParameterSets:
 
     def _read_mapping(self, parameters: Mapping[str, Any]) -> None:
         """Read a mapping of all parameters' names to numbers or columns."""
+        if any(is_name_of_other_law(name) for name in parameters):
+            self._read_other_laws(parameters)
+            return
         known = (*PARAMETER_NAMES, *OPTIONAL_NAMES)
         for name in parameters:
             if name not in known:
@@ -306,14 +309,27 @@ class ParameterSets:
             for row in np.flatnonzero(rows).tolist():
                 self._checked(row)
 
+    def _read_other_laws(self, parameters: Mapping[str, Any]) -> None:
+        """Read a mapping of the names of an `Oscillator` with curves, or with more than two belts."""
+        self.names = tuple(map(str, parameters))
+        self.columns = {name: NumberColumn(name, parameters[name]) for name in self.names}
+        self.count = common_length({name: len(column) for name, column in self.columns.items()})
+        self.are_plain = False
+        for name in ("m", "c", "k"):
+            if name not in self.names:
+                raise ParameterError("parameters", dict(parameters), f"{name} is missing")
+        for row in range(self.count):
+            self._known[row] = self._checked(row)
+
     def _checked(self, row: int) -> Model:
         """Return the parameters of a row; the message of an error includes the row's number."""
         try:
             return model_from({name: column.exact(row) for name, column in self.columns.items()})
         except ParameterError as error:
-            raise ParameterError(
-                self.columns[error.name].called(row), error.value, error.allowed
-            ) from None
+            column = self.columns.get(error.name)
+            if column is None:  # it is about more than one number
+                raise
+            raise ParameterError(column.called(row), error.value, error.allowed) from None
 
     @property
     def boundaries(self) -> range:
@@ -367,6 +383,14 @@ class ParameterSets:
         if size == 0:
             return table_of([])
         return constant_table(columns, size, lambda i: Arithmetic(self[rows.start + i]).K, loops)
+
+
+def is_name_of_other_law(name: Any) -> bool:
+    """Return whether a parameter's name is that of a curve, or of a third belt."""
+    of_belt = number_of_belt(str(name))
+    if of_belt is None:
+        return False
+    return of_belt.point > 0 or of_belt.quantity == "slope" or of_belt.belt > PAPER_BELTS
 
 
 def _common_names(sets: Sequence[Model]) -> tuple[str, ...]:

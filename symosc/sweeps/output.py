@@ -27,7 +27,7 @@ from symosc.base.display.drawable import Drawable
 from symosc.base.errors import MissingExtraError, OutputError, SweepError, optional
 from symosc.base.exact import show
 from symosc.base.files import STDOUT, read_path
-from symosc.base.quantities import QUANTITIES
+from symosc.base.quantities import QUANTITIES, quantity_of
 from symosc.model import Model, Parameters
 from symosc.scenes import START_NAMES, STARTS
 from symosc.simulation.tables import SUMMARY_COLUMNS
@@ -112,7 +112,7 @@ def dataset_of(plan: SweepPlan, columns: Columns) -> xarray.Dataset:
         variables[name] = (dimensions, values, about(*SUMMARY_COLUMNS[name]))
     coordinates: dict[str, Any] = {}
     for name, coordinate in plan.coordinates.items():
-        quantity = QUANTITIES[name]
+        quantity = quantity_of(name)
         attributes_of_axis = about(quantity.meaning, quantity.dimension)
         coordinates[name] = (coordinate.dimension, coordinate.values, attributes_of_axis)
     if plan.sections:

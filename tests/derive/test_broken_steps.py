@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 import sympy as sp
+from chapters import unchecked_items
 from step_mutants import broken_once, mutations
 
-from chapters import unchecked_items
 from symosc.derive import document
 from symosc.derive.chapters import (
     CHAPTERS,

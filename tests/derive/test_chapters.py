@@ -13,12 +13,12 @@ from typing import Any
 
 import pytest
 import sympy as sp
+from chapters import chapter, numbers, unchecked
 from click.testing import CliRunner
 from latex_reader import Reader
 from symbols import defined, listed, symbols
 from sympy.core.function import AppliedUndef
 
-from chapters import chapter, numbers, unchecked
 from symosc.base.errors import OutputError
 from symosc.cli.app import main
 from symosc.cli.derive import derive

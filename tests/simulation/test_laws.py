@@ -14,7 +14,6 @@ from mpmath import mp, mpf, workdps
 from symosc import (
     Belt,
     Oscillator,
-    ParameterError,
     Trajectory,
     sensitivities,
     simulate,

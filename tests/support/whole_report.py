@@ -11,9 +11,9 @@ from __future__ import annotations
 import sys
 from unittest.mock import patch
 
+from chapters import chapter
 from judging import judged
 
-from chapters import chapter
 from symosc.derive import document
 from symosc.paper import run
 
