@@ -19,6 +19,8 @@ WORDS = {"emph": "em", "textbf": "strong", "texttt": "code", "textsc": "small"}
 ITEMS = re.compile(r"\\begin\{(enumerate|itemize)\}(.*?)\\end\{\1\}", re.DOTALL)
 ITEM = re.compile(r"\\item(?:\[([^\]]*)\])?\s*")
 ITEM_MARK = r"\\LIST \1 "
+#: Ends of a list that a display divides: its parts are paragraphs, each with its number.
+DIVIDED = re.compile(r"\\(?:begin|end)\{(?:enumerate|itemize)\}")
 LINK = re.compile(r"\\hyperlink\{([^{}]*)\}\{([^{}]*)\}")
 #: Letters of a name that a user chose, as `latex_text` writes them.
 LETTER = re.compile(r"\\symbol\{(\d+)\}|\\letter\{(\d+)\}\{\w+\}")
@@ -53,6 +55,7 @@ def words(text: str) -> str:
     text = ITEMS.sub(
         lambda match: rf"\OPENLIST {ITEM.sub(ITEM_MARK, match[2].strip())} \CLOSELIST", text
     )
+    text = ITEM.sub(r"\1 ", DIVIDED.sub("", text))
     # Pieces of text and formulas alternate between the dollars.
     pieces = enumerate(text.split("$"))
     html = "".join(formula(piece) if i % 2 else _plain_text(piece) for i, piece in pieces)
@@ -92,6 +95,8 @@ def _plain_text(text: str) -> str:
         .replace("\0", "--")
         .replace("~", "&nbsp;")
         .replace(r"\'o", "ó")
+        .replace(r"{\o}", "ø")
+        .replace(r"\o ", "ø")
         .replace("\\ ", " ")
     )
     return text.replace("``", "“").replace("''", "”")

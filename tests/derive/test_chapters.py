@@ -166,6 +166,14 @@ def test_the_pdf_of_a_chapter_alone_has_no_question_marks(key: str, tmp_path: Pa
     assert len(text) > 1000
 
 
+@pytest.mark.parametrize("key", KEYS)
+def test_a_page_has_no_commands_of_latex(key: str) -> None:
+    """Lists too that a display divides are read."""
+    page = document.as_page([unchecked(key)], Scope())
+    text = re.sub(r"<code>.*?</code>", "", page[page.index("<body") :], flags=re.DOTALL)
+    assert re.findall(r"\\[a-zA-Z]+", text) == []
+
+
 # --- notation and errata ---
 
 

@@ -132,8 +132,8 @@ def _law(scope: Scope) -> Items:
         r"above. (iii) On the belt $F^{(\lambda+1)}$ is analytic in time, so that its first "
         r"derivative that does not vanish decides whether the belt can hold the mass for some time. "
         r"If it cannot, $\ddot{x} = F^{(\lambda+1)} = E > 0$ leads above.\end{proof}",
-        r"In one sentence: \emph{static friction replaces the forces by $F^{(\lambda)} + E$ and "
-        r"$F^{(\lambda+1)} - E$ wherever the question is whether the mass sticks.} While it "
+        r"In one sentence: static friction replaces the forces by $F^{(\lambda)} + E$ and "
+        r"$F^{(\lambda+1)} - E$ wherever the question is whether the mass sticks. While it "
         r"slides, nothing changes: the flights, and the equations of all mappings but those of "
         r"the ends of sticks, are those of Chapters~\ref{sec:domains} and~\ref{sec:maps}.",
     )
