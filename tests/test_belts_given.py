@@ -296,12 +296,28 @@ WRONG_FILES = {
     "negative": (("mu = 0.5\n[[", "mu = -1\n[["), "line 8, table 1 of [[belts]]"),
     "in words": (("v = 2\n", 'v = "fast"\n'), "line 7, table 1 of [[belts]]"),
     "a late curve": (("mu = 0.5\n[[", "curve = [[1, 1]]\n[["), "must be 0 at the first point (mine.toml, line 8, "),
+    "a negative point": (
+        ("mu = 0.5\n[[", "curve = [\n  [0, 1],\n  [1, -1],\n]\n[["),
+        "mu of the point (1, -1) must be >= 0 (mine.toml, line 11, table 1 of [[belts]])",
+    ),
+    "a point in words": (
+        ("mu = 0.5\n[[", 'curve = [[0, 1], ["far", 1]]\n[['),
+        "w of the point ('far', 1): give a number",
+    ),
+    "a point in other units": (
+        ("mu = 0.5\n[[", 'curve = [[0, 1], ["1 kg", 1]]\n[['),
+        "w is the relative speed of a belt: give it in m/s",
+    ),
+    "a curve in a table": (("mu = 0.5\n[[", "curve = {w = 0, mu = 1}\n[["), "must be points"),
+    "a slope below 0": (("mu = 0.5\n[[", "mu = 1\nslope = -1\n[["), "slope = '-1': must be >= 0 (mine"),
+    "mu_s below a curve": (("mu = 0.5\nmu_s = 1", "curve = [[0, 2]]\nmu_s = 1"), "mu_s = '1': must be at least mu = 2"),
+    "a curve in parameters": (("k = 1", "k = 1\nslope1 = 2"), "tables [[belts]] have v, mu or curve"),
     "mu and a curve": (("mu = 0.5\n[[", "mu = 1\ncurve = [[0, 1]]\n[["), "curve"),
     "equal speeds": (('v = "2.5 cm/s"', "v = 2"), "both have the speed 2"),
     "a drive without Omega": (("k = 1", "k = 1\nB0 = 1"), "Omega is required unless B0 = 0"),
     "no damping": (("c = 0\n", ""), "parameters.c is missing"),
     "a model": (("[start]", "[model]\nY = 1\n[start]"), "a file with a table [model] has no tables"),
-    "static friction in parameters": (("k = 1", "k = 1\nmu_s1 = 2"), "tables [[belts]] have v, mu"),
+    "static friction in parameters": (("k = 1", "k = 1\nmu_s1 = 2"), "tables [[belts]] have v, mu or curve"),
 }  # fmt: skip
 
 
@@ -334,6 +350,18 @@ def test_a_wrong_file_of_belts_is_refused_with_its_place(wrong: str) -> None:
     assert "\n" not in str(caught.value)
 
 
+def test_a_file_of_a_curve() -> None:
+    pytest.importorskip("pint")
+    text = TEXT.replace("mu = 0.5\n[[", 'curve = [[0, "2/5"], ["pi/10", 0.25]]\nslope = 0.1\n[[')
+    text = text.replace("mu = 0.5\nmu_s", 'curve = [[0, 0.4], ["50 cm/s", 0.25]]\nmu_s')
+    scene = read_scene(text, "mine.toml")
+    slow, fast = scene.parameters.belts  # type: ignore[attr-defined]
+    assert slow == Belt("1/40", curve=[(0, "2/5"), ("1/2", "1/4")], mu_s=1)
+    assert (fast.v, fast.slope, fast.curve[0]) == (2, Fraction(1, 10), (0, Fraction(2, 5)))
+    assert abs(float(fast.curve[1][0]) - np.pi / 10) < 1e-15
+    assert scene.notes == ("w = pi/10: read to 40 digits, 0.3141592653589793238462…",)
+
+
 @pytest.mark.parametrize("seed", range(40))
 def test_a_written_scene_of_belts_is_the_scene(seed: int) -> None:
     dice = random.Random(seed)
@@ -344,7 +372,12 @@ def test_a_written_scene_of_belts_is_the_scene(seed: int) -> None:
     belts = []
     for speed in dice.sample(range(-9, 9), dice.choice([1, 2])):
         mu = number()
-        belts.append(Belt(speed, mu=mu, mu_s=dice.choice([None, mu, mu + number()])))
+        friction: Any = {"mu": mu}
+        if dice.random() < 0.5:
+            ends = itertools.accumulate(number(1) for _ in range(dice.choice([1, 3, 4, 70])))
+            friction = {"curve": [(0, mu), *((w, number()) for w in ends)]}
+        friction |= dice.choice([{}, {"slope": number()}])
+        belts.append(Belt(speed, **friction, mu_s=dice.choice([None, mu, mu + number()])))
     drive: Any = dice.choice([{}, {"Omega": number(1)}, {"B0": number(), "Omega": number(1)}])
     oscillator: Any = Oscillator(
         m=number(1), c=number(), k=number(), FN=number(), belts=belts, **drive
@@ -358,7 +391,7 @@ def test_a_written_scene_of_belts_is_the_scene(seed: int) -> None:
 
 
 def test_templates_are_motions_that_stick_and_slip(tmp_path: Path) -> None:
-    assert template_names() == ["stick-slip"]
+    assert template_names() == ["stick-slip", "stribeck"]
     assert not set(template_names()) & set(symosc.scene_names())
     scene = load_template("stick-slip")
     assert [event.kind for event in symosc.simulate(scene).events[:2]] == ["slip", "stick"]

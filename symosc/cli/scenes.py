@@ -86,7 +86,8 @@ def _scene_data(scene: Scene) -> Record:
 @click.argument("file", callback=options.checked_file)
 @options.option(
     "--like SCENE",
-    "The scene whose numbers it has; stick-slip: one belt with static friction.",
+    "The scene whose numbers it has; stick-slip: one belt with static friction; stribeck: one whose "
+    "friction depends on speed.",
     default="fig5",
     show_default=True,
     shell_complete=options.complete(lambda: (*scene_names(), *template_names())),

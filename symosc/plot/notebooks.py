@@ -21,7 +21,7 @@ from symosc.base.aliases import Record
 from symosc.base.display.drawable import Listing
 from symosc.base.display.pages import macros
 from symosc.base.exact import show
-from symosc.base.quantities import QUANTITIES, unit_of
+from symosc.base.quantities import quantity_of, unit_of
 from symosc.certificates.atlas import Atlas
 from symosc.certificates.certificate import Certificate, common_complex, common_digits
 from symosc.crosschecks.report import CrossCheck
@@ -451,7 +451,7 @@ def scene_page(scene: Scene) -> str:
         name: show(getattr(scene, name)) for name in START_NAMES
     }
     rows = [
-        [name, value, QUANTITIES[name].meaning, unit_of(name)] for name, value in numbers.items()
+        [name, value, quantity_of(name).meaning, unit_of(name)] for name, value in numbers.items()
     ]
     error = scene.start_error and ", ".join(f"{float(number):.1g}" for number in scene.start_error)
     if scene.original:

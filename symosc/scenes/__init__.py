@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
@@ -29,7 +29,13 @@ from symosc.base.arguments import (
 from symosc.base.display.drawable import Drawable
 from symosc.base.errors import ParameterError, SceneError, meant
 from symosc.base.exact import read_start_error, show
-from symosc.base.quantities import QUANTITIES, forcing_periods, half_unit, read_number, unit_of
+from symosc.base.quantities import (
+    forcing_periods,
+    half_unit,
+    quantity_of,
+    read_number,
+    unit_of,
+)
 from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Belt, Model, Oscillator, Parameters
 from symosc.reductions import OtherModel, reduced_model, reduced_start, reduced_time
 from symosc.scenes.files import MOST_CHARACTERS, SceneFile, read_scene_file
@@ -553,12 +559,18 @@ MODEL_COMMENT = """\
 # v1 and v2 and W cos(Omega t + W_phase), and joined = true moves them with the base; the force is A0 + B0 cos(Omega t +
 # phase); g and angle are gravity on a slope. What is left out is 0, mu1 is 1; without v2 there is one belt or wall."""
 BELTS_COMMENT = """\
-# One belt, or two: a table each. The mass sticks to a belt while the force that this needs is at most mu_s FN, and
-# slides with mu FN; without mu_s there is no static friction beyond mu. What is left out of [parameters] is A0 = B0 = 0
-# and FN = 1, so that the coefficients are forces; without a drive there is no Omega."""
+# One belt or more: a table each. The mass sticks to a belt while the force that this needs is at most mu_s FN, and
+# slides with mu FN; without mu_s there is no static friction beyond mu. In place of mu there may be a curve over the
+# relative speed w, linear between its points [w, mu], such as curve = [[0, 0.4], [0.5, 0.25]], and a slope beyond the
+# last one. What is left out of [parameters] is A0 = B0 = 0 and FN = 1, so that the coefficients are forces; without a
+# drive there is no Omega."""
 START_COMMENT = (
     "# The mass at the start. start_error = 1e-9 would say that these three may be off by so much."
 )
+
+
+#: Points of a friction curve in one line of a file.
+POINTS_IN_A_LINE = 4
 
 
 def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> str:
@@ -572,7 +584,7 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         written = f"{name} = {_toml_number(text)}"
         if not explained:
             return written
-        meaning, _, _, allowed = QUANTITIES[name]
+        meaning, _, _, allowed = quantity_of(name)
         unit = unit_of(name)
         return (
             f"{written:<15} # "
@@ -601,8 +613,13 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         parameters = {n: text for n, text in parameters.items() if n in OSCILLATOR_NAMES}
         belts += [BELTS_COMMENT] if explained else []
         for belt in p.belts:
-            numbers = (line(name, show(value)) for name, value in belt.as_given().items())
-            belts += ["[[belts]]", *numbers, ""]
+            belts.append("[[belts]]")
+            for name, value in belt.as_given().items():
+                if name == "curve":
+                    belts += _curve_lines(value, explained)
+                else:
+                    belts.append(line(name, show(value)))
+            belts.append("")
     lines += [line("t_end", show(own.t_end)), ""]
     if scene.original is not None:
         parameters = scene.original.model.as_dict()
@@ -630,6 +647,21 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
             f"start_error = [{', '.join(_toml_number(show(error)) for error in own.start_error)}]"
         )
     return "\n".join(lines)
+
+
+def _curve_lines(points: Sequence[tuple[Fraction, Fraction]], explained: bool) -> list[str]:
+    """Return the lines of a friction curve."""
+    written = [f"[{_toml_number(show(w))}, {_toml_number(show(mu))}]" for w, mu in points]
+    rows = [
+        ", ".join(written[i : i + POINTS_IN_A_LINE])
+        for i in range(0, len(written), POINTS_IN_A_LINE)
+    ]
+    lines = []
+    if explained:
+        lines.append("# kinetic coefficient of friction over the relative speed: [w [m/s], mu]")
+    if len(rows) == 1:
+        return [*lines, f"curve = [{rows[0]}]"]
+    return [*lines, "curve = [", *(f"  {row}," for row in rows), "]"]
 
 
 def _toml_number(text: str) -> str:

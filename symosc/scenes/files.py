@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Sequence
+from contextlib import suppress
 from decimal import Decimal
 from typing import Any, NamedTuple, TypeAlias
 
@@ -39,8 +40,9 @@ BELTS_TABLES = TABLES | {
         tuple(name for name in OSCILLATOR_NAMES if name not in BELTS_NEEDED),
     ),
 }
-BELT_KEYS: Keys = (("v", "mu"), ("mu_s", "curve", "slope"))
-CURVE_KEYS: Keys = (("v",), ("mu", "mu_s", "curve", "slope"))
+BELT_KEYS: Keys = (("v", "mu"), ("curve", "slope", "mu_s"))
+#: With a curve there is no mu: `Belt` says why it refuses both.
+CURVE_KEYS: Keys = (("v", "curve"), ("mu", "slope", "mu_s"))
 #: Names of belts' numbers in [parameters], which exclude tables [[belts]].
 OF_NUMBERED_BELTS = tuple(name for name in PARAMETER_NAMES if name not in OSCILLATOR_NAMES)
 #: Scene files have some 500 characters, more if numbers have thousands of digits.
@@ -171,7 +173,9 @@ def read_scene_file(text: str, where: str) -> SceneFile:
                 _check_number(file, data[table], name)
     for n, belt in enumerate(data.get("belts", ())):
         for name in belt:
-            if name != "curve":
+            if name == "curve":
+                _note_curve(file, belt[name])
+            else:
                 _check_number(file, belt, name, n)
     return file
 
@@ -188,8 +192,8 @@ def _check_belts(file: SceneFile) -> None:
     if not (isinstance(belts, list) and belts and all(isinstance(belt, dict) for belt in belts)):
         raise SceneError(
             file.where,
-            f"{file.place('belts')}: belts must be tables: [[belts]] and below it v and mu, for "
-            "each belt",
+            f"{file.place('belts')}: belts must be tables: [[belts]] and below it v and mu (or a "
+            "curve), for each belt",
         )
     parameters = file.data.get("parameters")
     if isinstance(parameters, dict):
@@ -201,7 +205,7 @@ def _check_belts(file: SceneFile) -> None:
                     f"each other: give it as {name[:-1]} in a table [[belts]], or leave these out",
                 )
     for n, belt in enumerate(belts):
-        if "curve" in belt:  # which `Belt` refuses
+        if "curve" in belt:
             keys = CURVE_KEYS
         else:
             keys = BELT_KEYS
@@ -242,8 +246,8 @@ def _check_table(
                 unknown += (
                     "; a model other than that of symosc has a table [model], and this stands there"
                 )
-            elif prefix == "parameters." and key.startswith(("mu", "v")):
-                unknown += "; tables [[belts]] have v, mu and mu_s of each belt"
+            elif prefix == "parameters." and key.startswith(("mu", "v", "curve", "slope")):
+                unknown += "; tables [[belts]] have v, mu or curve, slope and mu_s of each belt"
             raise SceneError(file.where, f"{location}: {unknown}" if location else unknown)
     for key in missing:
         where = file.place(*path)
@@ -259,21 +263,42 @@ def _check_table(
         raise SceneError(file.where, f"{prefix}{key} is missing{advice}")
 
 
+def _note_curve(file: SceneFile, curve: Any) -> None:
+    """Add notes on the numbers of a curve that are read to 40 digits only.
+
+    Whether they make a curve at all, `Belt` says.
+    """
+    if not isinstance(curve, list):
+        return
+    for point in curve:
+        if isinstance(point, list):
+            for name, value in zip(("w", "mu"), point, strict=False):
+                with suppress(ParameterError):
+                    _note_digits(file, name, value)
+
+
 def _check_number(file: SceneFile, table: Record, name: str, belt: int | None = None) -> None:
     """Check a number that is given as text; if it is read to 40 digits only, add a note on it to
     `file.notes`.
 
     `belt` is the index of the table [[belts]] that it is in.
     """
-    if isinstance(table[name], str):
-        try:
-            if name == "t_end" and forcing_periods(name, table[name]) is not None:
-                return  # a time that depends on Omega, see `symosc.scenes.end_time`
-            number, exact = read_number(name, table[name])
-        except ParameterError as error:
-            raise file.located(error, belt) from None
-        if not exact:
-            shown = show(number)
-            if len(shown) > SHOWN_PART:
-                shown = f"{shown[:SHOWN_PART]}…"
-            file.notes.append(f"{name} = {table[name]}: read to 40 digits, {shown}")
+    value = table[name]
+    try:
+        if name == "t_end" and forcing_periods(name, value) is not None:
+            return  # a time that depends on Omega, see `symosc.scenes.end_time`
+        _note_digits(file, name, value)
+    except ParameterError as error:
+        raise file.located(error, belt) from None
+
+
+def _note_digits(file: SceneFile, name: str, value: Any) -> None:
+    """Add a note to `file.notes` on a number that is given as text and is read to 40 digits only."""
+    if not isinstance(value, str):
+        return
+    number, exact = read_number(name, value)
+    if not exact:
+        shown = show(number)
+        if len(shown) > SHOWN_PART:
+            shown = f"{shown[:SHOWN_PART]}…"
+        file.notes.append(f"{name} = {value}: read to 40 digits, {shown}")
