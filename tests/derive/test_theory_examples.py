@@ -370,3 +370,16 @@ def test_the_cycle_at_a_corner_returns_and_repels() -> None:
     assert abs(moved[0, -1] / place - 1) > 1.2 * small
     assert np.abs(after([0.9 * place, 0.9], 12)[:, -1]).max() < 1
     assert np.abs(after([1.1 * place, 1.1], 12)[:, -1]).max() > 3
+
+
+@pytest.mark.slow
+def test_a_motion_of_the_package_follows_the_cycle_at_a_corner() -> None:
+    """A belt with the speed 10, the friction of which falls to 2/5 at the velocity 1, and stays so."""
+    cycle = boundary_focus.focus_by_closed_forms()
+    p = Oscillator(m=1, c="1/10", k=1, belts=[Belt(10, curve=[(0, 4), (9, "2/5")])])
+    assert [band.c for band in p.bands[:2]] == [Fraction(1, 10), Fraction(-3, 10)]
+    start = boundary_focus.CONTEXT.mpf(2) / 5 - cycle.start - boundary_focus.FOCUS[0]
+    period = mpmath.nstr(sum(cycle.times), 45)
+    motion = simulate(p, t0=0, x0=mpmath.nstr(start, 45), v0=1, t_end=period, digits=30)
+    assert len(motion.events) == 0
+    assert motion(float(period)) == pytest.approx([float(start), 1], abs=1e-14)

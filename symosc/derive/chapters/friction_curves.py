@@ -853,8 +853,9 @@ def _contraction() -> Items:
         r"$\dot{y} < 0$ exchange the motions. Existence is that of Theorem~\ref{thm:motion-unique}: "
         r"friction is still a convex set, closed, and grows at most linearly. If $W$ is 0 at the "
         r"start, it stays 0 by \eqref{eq:friction_curves-separation} (one-sided Lipschitz "
-        r"condition). A parameter that changes by $\epsilon$ adds a force of the order "
-        r"$\epsilon$.\end{proof}",
+        r"condition). A parameter that changes by $\epsilon$ adds work of the order $\epsilon$ to "
+        r"$\dot{W}$; where it moves the speed of a belt, the lemma is for the velocities relative to "
+        r"this belt, which differ from the others by $\epsilon$.\end{proof}",
         r"In short: $c_j = c + \sum_\lambda q_\lambda \ge 0$ says that no piece of a curve falls "
         r"faster than the damper can make up for. The package calls such a law \emph{contracting} "
         r"(\texttt{contracts}). A single band with $c_j < 0$, or a single belt with $E > 0$, takes "
