@@ -31,6 +31,7 @@ from symosc.base.aliases import Number, Record
 from symosc.bench import Progress, machine, peers_heyoka, peers_scan, sentence
 from symosc.bench.solvers import REFERENCE_DIGITS
 from symosc.engine.arithmetic import MpArithmetic
+from symosc.engine.batch import PIECE_COLUMNS
 from symosc.grazing.window import grazing_window, grazing_windows
 from symosc.mappings.compiled import compiled_residual
 from symosc.mappings.equations import residual
@@ -61,6 +62,7 @@ COUNTS = ("events",)
 LONG = 5.0
 SHORT = 0.01
 MOST_CALLS = 20
+CORNERS = (1, 4, 16)
 
 
 class Call(NamedTuple):
@@ -165,7 +167,7 @@ def groups(quick: bool = False) -> Iterator[Group]:
     yield Group(each_start.capitalize(), _ensemble(sizes.starts))
     yield Group(f"Derivatives, {each_start}", _derivatives(sizes.derivatives))
     for belts, title in ((1, "One belt"), (2, "Two belts")):
-        yield Group(f"{title}, {each_start}, counted", _static(sizes.starts, belts))
+        yield Group(f"{title}, {each_start}, counted", _laws(sizes.starts, belts))
     yield Group("simulate", _single_motions(sizes.single_events))
     sticks = _shrinking_sticks(sizes.stick_ends, sizes.stick_motions)
     yield Group("fig8 in simulate_many, to t =", sticks)
@@ -259,22 +261,46 @@ def _derivatives(count: int) -> Iterator[Call]:
     yield Call("fit of 3 parameters to 1,000 events of fig5", "call", call, 1)
 
 
-def _static(count: int, belts: int) -> Iterator[Call]:
+def _laws(count: int, belts: int) -> Iterator[Call]:
     """Yield calls of `simulate_many` that count events with the belts of fig9, or the first of
-    them, without and with static friction.
+    them: with Coulomb friction, static friction, and curves with more and more corners.
     """
     p, starts, ends = _starts(count)
     shared: Record = {name: getattr(p, name) for name in OSCILLATOR_NAMES}
-    for what, excess in (
-        ("mu_s = mu", Fraction(0)),
-        ("static friction, mu_s = 1.1 mu", Fraction(1, 10)),
-    ):
-        of_law = [
-            Belt(belt.v, belt.mu, mu_s=(1 + excess) * belt.mu) for belt in p.law.belts[:belts]
-        ]
+    own = p.law.belts[:belts]
+    laws = {
+        "mu_s = mu": [Belt(belt.v, belt.mu) for belt in own],
+        "static friction, mu_s = 1.1 mu": [
+            Belt(belt.v, belt.mu, mu_s=Fraction(11, 10) * belt.mu) for belt in own
+        ],
+    }
+    for corners in CORNERS:
+        laws[f"curves with {corners} corners"] = [_with_corners(belt, corners) for belt in own]
+    for what, of_law in laws.items():
         law = Oscillator(**shared, belts=of_law)
+        crossed = _corners_crossed(law, starts[0], float(ends[0]))
+        if crossed:
+            what = f"{what}, {crossed:.2g} crossed an event"
         call = partial(simulate_many, law, starts, ends, record=COUNTS, **ONE_CORE)
         yield Call(what, "event", call)
+
+
+def _with_corners(belt: Any, corners: int) -> Belt:
+    """Return a belt whose friction falls by a tenth in so many unequal steps over one unit of speed."""
+    points = [(0, belt.mu)]
+    for n in range(1, corners + 1):
+        w = Fraction(n, corners)
+        points.append((w, belt.mu * (1 - w * (2 - w) / 10)))
+    return Belt(belt.v, curve=points)
+
+
+def _corners_crossed(law: Oscillator, start: np.ndarray, t_end: float) -> float:
+    """Return how many corners a motion crosses per event."""
+    t0, x0, v0 = start.tolist()
+    motion = simulate(law, t0=t0, x0=x0, v0=v0, t_end=t_end)
+    corners = [float(edge.v) for edge in law.edges if not edge.belts]
+    begins = motion._pieces[PIECE_COLUMNS.index("v")]
+    return np.count_nonzero(np.isin(begins, corners)) / len(motion.events)
 
 
 def _single_motions(most: int) -> Iterator[Call]:

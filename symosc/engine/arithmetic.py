@@ -164,7 +164,10 @@ def _float_constants(parameters: Model, row: int) -> Constants:
 @lru_cache(maxsize=256)
 def rows_in_doubles(parameters: Model) -> tuple[Constants, ...]:
     """Return all rows of the constants of `parameters` as floats, from a cache."""
-    return tuple(_float_constants(parameters, row) for row in range(len(parameters.law.rows)))
+    rows = [_float_constants(parameters, row) for row in range(len(parameters.law.rows))]
+    # Lanes have motions in several rows side by side, and one such flag for all.
+    lasting = any(K.lasting for K in rows)
+    return tuple(K._replace(lasting=lasting) for K in rows)
 
 
 @lru_cache(maxsize=256)

@@ -80,6 +80,7 @@ from symosc.engine.next_event import (
     TWO_PI,
     TWO_PI_REST,
     advance_time,
+    band_beyond,
     carried_error,
     error_after_slip,
     flight_noise,
@@ -90,6 +91,8 @@ from symosc.engine.next_event import (
 )
 from symosc.engine.state import (
     CROSS,
+    MIDDLE,
+    MOVED,
     NUMBERS_OF_FOLLOWED,
     NUMBERS_OF_STATE,
     ON_BELT,
@@ -170,26 +173,22 @@ def belts(boundary, K):
     s_cr = select(first, belt1.s_cr, belt2.s_cr)
     c_cr = select(first, belt1.c_cr, belt2.c_cr)
     angle = select(first, belt1.angle, belt2.angle)
-    # Lanes do not ask for the two limits, nor whether it is a corner: v stands in these fields.
-    return BeltConstants(v, J, E, hold, drift, turns, s_cr, c_cr, angle, v, v, v, v)
+    is_corner = select(first, belt1.is_corner, belt2.is_corner) != 0.0
+    # Lanes do not ask for the other fields: v stands there.
+    return BeltConstants(v, J, E, hold, drift, turns, s_cr, c_cr, angle, v, v, is_corner, v)
 
 
 def suits_lanes(K):
-    """Return whether motions with constants K suit lanes: underdamped, far from resonance, no slow
-    drive, and one set of constants for all domains.
+    """Return whether motions with constants K suit lanes: underdamped, far from resonance, and no
+    slow drive.
     """
-    return (
-        K.apart != 0
-        and K.banded == 0
-        and K.slow_drive == 0
-        and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
-    )
+    return K.apart != 0 and K.slow_drive == 0 and (K.omega_d + K.Om) * K.chunk < 0.5 * WIDEST
 
 
 def end_of_group(begin, sets, table):
     """Return (end, alike): motions `begin` to `end` - 1 may be followed side by side.
 
-    `alike`: they share a set.
+    `alike`: they share a set, and go on to do so.
     """
     end = begin + 1
     count = sets.shape[0]
@@ -198,7 +197,7 @@ def end_of_group(begin, sets, table):
         return end, True
     while end < count and sets[end] == sets[begin]:
         end += 1
-    if end == count or end - begin >= FEW * LANES:
+    if K.banded == 0 and (end == count or end - begin >= FEW * LANES):
         return end, True
     while end < count and suits_lanes(table[sets[end]]) and shares_flags(table[sets[end]], K):
         end += 1
@@ -209,7 +208,7 @@ def shares_flags(K, other):
     """Return whether two parameter sets have the same flags, which a block has once for all lanes;
     those that `suits_lanes` asks for are the same anyway.
     """
-    return K.lasting == other.lasting and K.driven == other.driven
+    return K.lasting == other.lasting and K.driven == other.driven and K.banded == other.banded
 
 
 # --- flights ---
@@ -271,7 +270,7 @@ def fly(state, remaining, K):
     far_force = select(upward, held_above, held_below)
     small = good & (abs(far_force) < NEAR_FORCE * belt.hold)
     if any_of(small):
-        noise = force_noise(F, tau, S.S11, belt, K) + K.sigmas * K.cm * sqrt(S.S22)
+        noise = force_noise(F, tau, S.S11, belt, K) + K.sigmas * abs(K.cm) * sqrt(S.S22)
         good = good & ~(small & (abs(far_force) <= noise))
     rises = held_above > 0.0
     sticks = (held_above < 0.0) & (held_below > 0.0)
@@ -286,7 +285,8 @@ def fly(state, remaining, K):
     Fa = select(sticks, held_above, out)
     mode = select(sticks, ON_BELT + boundary, target)
     after = State(mode, boundary, n, theta, x, v, Fb, Fa, S, t, t_low, s, c, theta_low)
-    return good, select(sticks, STICK, CROSS), boundary, t_error, after
+    code = select(belt.is_corner, MOVED, select(sticks, STICK, CROSS))
+    return good, code, boundary, t_error, after
 
 
 def march_side_by_side(tau_max, v0, now, walls, margin, K):
@@ -792,6 +792,7 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
     queue, motions, constants, results = space
     states, sets, counts, codes = batch
     asked = tally.asked.extent or tally.asked.stuck or tally.asked.ring > 0
+    banded = table[sets[begin]].banded != 0
     K = table[sets[begin]]
     fullest = out.floats.shape[1]
     # lengths of the queues; steps that lanes tried, and those whose result was kept
@@ -800,6 +801,10 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
     kept = 0
     while rows < fullest and (tried < PROBE or LEAST_PART * kept > tried):
         while begin < end and waiting[FLYING] + waiting[STICKING] < 2 * LANES:
+            if banded:
+                rows = to_band_for_lanes(
+                    begin, rows, batch, most, accuracy, out, pieces, tally, table
+                )
             if codes[begin] == RUNNING:
                 if states[begin].mode > ON_BELT:
                     which = STICKING
@@ -836,19 +841,25 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
             i = queue[which, first + lane]
             # A good lane's result counts; else the scalar loop makes this step.
             if (good >> lane) & 1 and counts[i] < most:
+                is_event = results[KIND, lane] != MOVED
                 if not asked:
                     put_state(states, i, results, lane)
                     now = states[i]
-                    if (now.t - now.t0) + now.t_low >= tally.floats[i, SKIPPED]:
+                    if is_event and (now.t - now.t0) + now.t_low >= tally.floats[i, SKIPPED]:
                         tally.ints[i, EVENTS_SO_FAR] += 1
                         tally.ints[i, STICKS] += results[KIND, lane] == STICK
-                rows += 1
+                if banded:
+                    enter_band(states, sets, i, table)
+                if is_event:
+                    rows += 1
+                    counts[i] += 1
                 kept += 1
-                counts[i] += 1
             else:
                 rows, _ = follow_one(
                     i, True, rows, 0, batch, most, accuracy, out, pieces, tally, table
                 )
+            if banded:
+                rows = to_band_for_lanes(i, rows, batch, most, accuracy, out, pieces, tally, table)
             if codes[i] == RUNNING:
                 if states[i].mode > ON_BELT:
                     next_queue = STICKING
@@ -868,6 +879,31 @@ def follow_group(begin, end, alike, rows, batch, most, accuracy, out, pieces, ta
                 i, False, rows, 0, batch, most, accuracy, out, pieces, tally, table
             )
     return rows
+
+
+@outlined
+def to_band_for_lanes(i, rows, batch, most, accuracy, out, pieces, tally, table):
+    """Follow trajectory `i` alone until it is in a band that suits lanes.
+
+    Return `rows`, the events so far.
+    """
+    out, pieces, tally, table, batch = borrowed((out, pieces, tally, table, batch))
+    while (
+        batch.codes[i] == RUNNING
+        and rows < out.floats.shape[1]
+        and not suits_lanes(table[batch.sets[i]])
+    ):
+        rows, _ = follow_one(i, True, rows, 0, batch, most, accuracy, out, pieces, tally, table)
+    return rows
+
+
+def enter_band(states, sets, i, table):
+    """Let trajectory `i` go on in the next row of constants if it has left the band of its own."""
+    way = band_beyond(int(states[i].mode), table[sets[i]])
+    if way != 0:
+        states[i].mode = MIDDLE
+        states[i].at = 1 if way > 0 else 2
+        sets[i] += way
 
 
 def put_state(states, i, results, lane):

@@ -156,4 +156,4 @@ def test_undecidable_is_an_answer_at_a_tie() -> None:
 def test_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert law_fuzz.main(["--scenes", "3", "--solver", "oracle", "--curves"]) == 0
     assert "0 of 3 scenes failed" in capsys.readouterr().out
-    assert list(CURVES) == ["curved", "cornered"]
+    assert list(CURVES) == ["curved", "cornered", "brushing"]

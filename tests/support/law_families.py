@@ -414,6 +414,53 @@ def cornered(rng: Random, number: int, most: int) -> LawScene:
     )
 
 
+def brushing(rng: Random, number: int, most: int) -> LawScene:
+    """Reach the speed of a belt or a corner with v' = 0, exactly (to 60 digits) or nearly.
+
+    The start is the state some time before, by the linear equation of the band alone.
+    """
+    scene = curved(rng, number, most)
+    edges, bands = friction_table(scene.c, scene.A0, scene.FN, scene.belts)
+    place = rng.randrange(len(edges))
+    above = rng.random() < 0.5
+    band = bands[place + above]
+    V = edges[place].V
+    Omega = scene.Omega or Fraction(1)
+    push = rng.choice([Fraction(0), signed(rng, -18, -4, 2), signed(rng, -18, -4, 2)])
+    k = scene.k or Fraction(1)  # so that a position has v' = 0
+    with mpmath.workdps(80):
+        when = mpmath.mpf(rng.uniform(0, 2 * pi)) / number_in(Omega)
+        drive = number_in(scene.B0) * mpmath.cos(number_in(Omega) * when)
+        x = (number_in(band.A - band.c * V) + drive) / number_in(k)
+        early = rng.uniform(0.05, 0.5) / max(1.0, float(Omega), sqrt(k / scene.m), abs(band.c))
+        x0, v0 = before(scene, band, k, (x, number_in(V)), when, early)
+        t0, x0, v0 = (Fraction(mpmath.nstr(value, 60)) for value in (when - early, x0, v0))
+    return replace(
+        scene, family="brushing", k=k, t0=t0, x0=x0, v0=v0 + push, t_end=t0 + scene.t_end - scene.t0,
+        near=abs(push) < Fraction(1, 10**9),
+    )  # fmt: skip
+
+
+def number_in(value: Fraction) -> Any:
+    """Return a fraction as an mpmath number."""
+    return mpmath.mpf(value.numerator) / value.denominator
+
+
+def before(
+    scene: LawScene, band: Any, k: Fraction, there: tuple[Any, Any], when: Any, early: float
+) -> tuple[Any, Any]:
+    """Return x and v a time `early` before the state `there` at the time `when`, in a band."""
+    m, c, k, A, B0, Omega = map(number_in, (scene.m, band.c, k, band.A, scene.B0, scene.Omega or Fraction(1)))
+    # x, v, 1, and the drive's cosine and sine
+    rates = mpmath.matrix(
+        [[0, 1, 0, 0, 0], [-k / m, -c / m, A / m, B0 / m, 0], [0] * 5, [0, 0, 0, 0, -Omega], [0, 0, 0, Omega, 0]]
+    )  # fmt: skip
+    phase = Omega * when
+    state = mpmath.matrix([*there, 1, mpmath.cos(phase), mpmath.sin(phase)])
+    x, v, *_ = mpmath.expm(-early * rates) * state
+    return x, v
+
+
 Family = Callable[[Random, int, int], LawScene]
 STATIC: dict[str, Family] = {
     family.__name__: family
@@ -422,7 +469,7 @@ STATIC: dict[str, Family] = {
         arriving, touching, aimed, turning, resting,
     )
 }  # fmt: skip
-CURVES: dict[str, Family] = {"curved": curved, "cornered": cornered}
+CURVES: dict[str, Family] = {"curved": curved, "cornered": cornered, "brushing": brushing}
 FAMILIES = STATIC | CURVES
 
 
