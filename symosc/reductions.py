@@ -1,14 +1,14 @@
 """Other oscillators of the literature that are symosc's in other coordinates.
 
     m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction of the belts
-    y = Y cos(Omega t + Y_phase)             the base, to which spring and damper are joined
+    y = Y cos(Omega t + Y_phase) + pull t    the base, to which spring and damper are joined
     v1 + w', v2 + w'                         the speeds of the belts, w' = W cos(Omega t + W_phase); joined to the base
                                              they have its velocity y' as well
 
-Friction depends on x' - w' alone. So z = x - w obeys
+Friction depends on the velocity relative to the belts alone. So z = x - w - pull t obeys
 
     m z'' + c z' + k z = A0 + m g sin(angle) + P cos(Omega t) + Q sin(Omega t) + friction of belts
-    at v1 and v2
+    at v1 - pull and v2 - pull (joined to the base: v1 and v2)
 
 where P cos + Q sin = B0 cos(Omega t + phase) + c y' + k y - m w'' - c w' - k w. In the time s = t -
 delay that is hypot(P, Q) cos(Omega s).
@@ -29,7 +29,8 @@ from symosc.base.arguments import ARRAY_LIKE, FLAG, NUMBER, public, require, req
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import read_exact, show, unmasked
 from symosc.base.quantities import half_unit, read_number, rounded
-from symosc.model import OSCILLATOR_NAMES, Belt, Model, Oscillator, Parameters, out_of_reach
+from symosc.belts import Belt, read_belts
+from symosc.model import OSCILLATOR_NAMES, Model, Oscillator, Parameters, out_of_reach
 
 if TYPE_CHECKING:  # scenes are read without numpy
     import numpy as np
@@ -130,9 +131,9 @@ class OtherModel:
     walls, inclines.
 
     m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with
-    the base y = Y cos(Omega t + Y_phase), and belts with the speeds v1 + w' and v2 + w'. Functions
-    that take Parameters take such a model too and work on the oscillator that it is; `simulate` and
-    `frequency_response` give their results in the coordinates of the model.
+    the base y = Y cos(Omega t + Y_phase) + pull t, and belts with the speeds v1 + w' and v2 + w'.
+    Functions that take Parameters take such a model too and work on the oscillator that it is;
+    `simulate` and `frequency_response` give their results in the coordinates of the model.
 
     Parameters
     ----------
@@ -146,7 +147,11 @@ class OtherModel:
     phase : number, optional
         That of the force B0 cos(Omega t + phase); "-pi/2" makes it a sine.
     Y, Y_phase : number, optional
-        Motion of the base.
+        Oscillation of the base.
+    pull : number, optional
+        The constant speed at which the base, the free end of the spring, is pulled.
+    belts : sequence of Belt, optional
+        Any belts, with static friction or curves, in place of v1, mu1, v2 and mu2.
     W, W_phase : number, optional
         What belts, or a wall, have in addition to v1 and v2: w' = W cos(Omega t + W_phase).
     joined : bool, optional
@@ -160,7 +165,7 @@ class OtherModel:
         The oscillator that it is, with one belt without v2.
     parameters : Parameters
         Its parameters as the paper's. In place of a second belt there is one without friction, too
-        fast to be met.
+        fast to be met. ParameterError if the belts are none of the paper's.
     exact : bool
         Whether these are exact. If not they, and a start, are known to 40 digits.
     delay : Fraction
@@ -181,6 +186,13 @@ class OtherModel:
     >>> motion = simulate(model, t_end=8)
     >>> [(event.kind, f"{event.t:.6f}", f"{event.x:.6f}") for event in motion.events[:2]]
     [('cross', '1.766468', '-0.047600'), ('cross', '3.748057', '-0.800286')]
+
+    A block on a floor, pulled by a spring:
+
+    >>> from symosc import Belt
+    >>> block = OtherModel(m=1, k=2, Omega=1, FN=1, pull="1/10", belts=[Belt(0, "1/2", mu_s="4/5")])
+    >>> [(event.kind, f"{event.t:.6f}", f"{event.x:.6f}") for event in simulate(block, t_end=9).events]
+    [('slip', '4.000000', '0.000000'), ('stick', '6.844418', '0.584442')]
     """
 
     m: Fraction
@@ -202,6 +214,8 @@ class OtherModel:
     joined: bool = False
     g: Fraction = Fraction(0)
     angle: Fraction = Fraction(0)
+    pull: Fraction = Fraction(0)
+    belts: tuple[Belt, ...] = ()
 
     def __post_init__(self) -> None:
         joined: Any = self.joined
@@ -218,11 +232,23 @@ class OtherModel:
             raise ParameterError(
                 "FN", None, "FN is required unless g > 0, where it is the weight m g cos(angle)"
             )
+        if self.belts != ():
+            self._check_belts()
         if self.v2 is None and self.mu2 != 0:
             raise ParameterError(
                 "mu2", show(self.mu2), "mu2 requires v2: without v2 there is no second belt"
             )
-        self.parameters  # noqa: B018  raises errors of numbers that are out of range
+        self.oscillator  # noqa: B018  raises errors of numbers that are out of range
+
+    def _check_belts(self) -> None:
+        """Read the belts; ParameterError if those of the paper are given too."""
+        object.__setattr__(self, "belts", read_belts(self.belts))
+        for field in fields(self):
+            if field.name in ("v1", "v2", "mu1", "mu2"):
+                value = getattr(self, field.name)
+                if value != field.default:
+                    allowed = "must be omitted if belts are given"
+                    raise ParameterError(field.name, show(value), allowed)
 
     @cached_property
     def base(self) -> Harmonic:
@@ -275,10 +301,8 @@ class OtherModel:
         return self._drive[2] and (self.g == 0 or cos_sin(self.angle)[2])
 
     @cached_property
-    def parameters(self) -> Parameters:
-        """The parameters of symosc's oscillator to which this model reduces."""
-        if self.Omega <= 0:
-            raise ParameterError("Omega", show(self.Omega), "must be > 0")
+    def _forces(self) -> tuple[Fraction, Fraction]:
+        """The constant force A0 along the slope, and the normal force."""
         cos, sin, exact = cos_sin(self.angle)
         down, press = (self.m * self.g * component for component in (sin, cos))
         A0 = self.A0 + down
@@ -290,31 +314,58 @@ class OtherModel:
             A0 = rounded(A0)
             if self.FN is None:
                 FN = rounded(FN)
+        return A0, FN
+
+    @cached_property
+    def parameters(self) -> Parameters:
+        """The parameters of symosc's oscillator to which this model reduces."""
+        if self.belts:
+            return self.oscillator.parameters
+        if self.Omega <= 0:
+            raise ParameterError("Omega", show(self.Omega), "must be > 0")
+        A0, FN = self._forces
         B0 = self._drive[0]
-        v2 = self.v2
-        if v2 is None and self.m > 0:
+        v1 = self.v1 - self.speed_of_frame
+        if self.v2 is not None:
+            v2 = self.v2 - self.speed_of_frame
+        elif self.m > 0:
             forces = abs(A0) + abs(B0) + abs(self.mu1 * FN)
-            speeds = abs(self.v1) + self.shift.bound()
+            speeds = abs(v1) + self.shift.bound()
             own = {name: getattr(self, name) for name in ("m", "c", "k", "Omega")}
-            v2 = out_of_reach(self.v1, speeds, forces, **own, B0=B0)
-        unchanged = {
-            name: getattr(self, name) for name in ("m", "c", "k", "Omega", "v1", "mu1", "mu2")
-        }
-        return Parameters(**unchanged, A0=A0, B0=B0, v2=self.v1 + 1 if v2 is None else v2, FN=FN)
+            v2 = out_of_reach(v1, speeds, forces, **own, B0=B0)
+        else:  # `Parameters` refuses m
+            v2 = v1 + 1
+        unchanged = {name: getattr(self, name) for name in ("m", "c", "k", "Omega", "mu1", "mu2")}
+        return Parameters(**unchanged, A0=A0, B0=B0, v1=v1, v2=v2, FN=FN)
+
+    @property
+    def speed_of_frame(self) -> Fraction:
+        """The constant speed of the base relative to the belts."""
+        if self.joined:
+            return Fraction(0)
+        return self.pull
 
     @cached_property
     def oscillator(self) -> Oscillator:
         """The oscillator to which this model reduces, with the belts that it has."""
-        p = self.parameters
-        if self.v2 is not None:
-            return p.oscillator
-        shared = {name: getattr(p, name) for name in OSCILLATOR_NAMES}
-        return Oscillator(**shared, belts=[Belt(p.v1, p.mu1)])
+        if not self.belts:
+            p = self.parameters
+            if self.v2 is not None:
+                return p.oscillator
+            shared = {name: getattr(p, name) for name in OSCILLATOR_NAMES}
+            return Oscillator(**shared, belts=[Belt(p.v1, p.mu1)])
+        if self.Omega <= 0:
+            raise ParameterError("Omega", show(self.Omega), "must be > 0")
+        A0, FN = self._forces
+        own = {name: getattr(self, name) for name in ("m", "c", "k", "Omega")}
+        belts = [belt.replace(v=belt.v - self.speed_of_frame) for belt in self.belts]
+        return Oscillator(**own, A0=A0, B0=self._drive[0], FN=FN, belts=belts)
 
     @public
-    def replace(self, **changes: NumberLike | bool | None) -> OtherModel:
+    def replace(self, **changes: Any) -> OtherModel:
         """Return a copy with some numbers changed, for example ``model.replace(Omega="1/2")``."""
-        require_or_none(NUMBER, FLAG, **changes)
+        numbers = {name: value for name, value in changes.items() if name != "belts"}
+        require_or_none(NUMBER, FLAG, **numbers)
         for name in changes:
             if name not in MODEL_NAMES:
                 allowed = f"unknown number of a model; choose from {', '.join(MODEL_NAMES)}"
@@ -338,7 +389,7 @@ class OtherModel:
         """
         require(*ARRAY_LIKE, t=t, x=x, v=v)
         t, x, v = _read_arrays(t=t, x=x, v=v)
-        w, rate = motion_of_belts(self, t + float(self.delay))
+        w, rate = motion_of_frame(self, t + float(self.delay))
         return t + float(self.delay), x + w, v + rate
 
     @public
@@ -358,7 +409,7 @@ class OtherModel:
         """
         require(*ARRAY_LIKE, t=t, x=x, v=v)
         t, x, v = _read_arrays(t=t, x=x, v=v)
-        w, rate = motion_of_belts(self, t)
+        w, rate = motion_of_frame(self, t)
         return t - float(self.delay), x - w, v - rate
 
     def as_dict(self) -> dict[str, Any]:
@@ -373,19 +424,44 @@ class OtherModel:
             if values[field.name] != field.default
         }
         return {
-            name: value if isinstance(value, bool) else show(value)
+            name: value if isinstance(value, bool) else _shown(value)
             for name, value in changed.items()
         }
 
     def __repr__(self) -> str:
-        return f"OtherModel({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
+        shown = self.as_dict()
+        if self.belts:
+            shown["belts"] = list(self.belts)
+        return f"OtherModel({', '.join(f'{name}={value!r}' for name, value in shown.items())})"
+
+
+def _shown(value: Any) -> Any:
+    """Return a number as text, belts as dictionaries of texts."""
+    if not isinstance(value, tuple):
+        return show(value)
+    return [
+        {
+            name: [[show(w), show(mu)] for w, mu in number] if name == "curve" else show(number)
+            for name, number in belt.as_given().items()
+        }
+        for belt in value
+    ]
 
 
 def reduced_model(model: OtherModel) -> Model:
-    """Return the oscillator that a model is: `Parameters`, or an `Oscillator` if it has one belt."""
-    if model.v2 is None:
+    """Return the oscillator that a model is: `Parameters` if it has the two belts of the paper,
+    else an `Oscillator`.
+    """
+    if model.belts or model.v2 is None:
         return model.oscillator
     return model.parameters
+
+
+def motion_of_frame(model: OtherModel, t: Any) -> tuple[Any, Any]:
+    """Return w + pull t, by which the model's position exceeds the oscillator's, and its rate."""
+    w, rate = motion_of_belts(model, t)
+    pull = float(model.pull)
+    return w + pull * t, rate + pull
 
 
 def motion_of_belts(model: OtherModel, t: Any) -> tuple[Any, Any]:
@@ -410,7 +486,9 @@ def event_back(
     sin = context.sin(theta)
     w = model.shift.at(cos, sin, number)
     rate = model.shift.rate(model.Omega).at(cos, sin, number)
-    return t + number(model.delay), x + w, v + rate, theta
+    t = t + number(model.delay)
+    pull = number(model.pull)
+    return t, x + w + pull * t, v + rate + pull, theta
 
 
 def reduced_time(model: OtherModel, t: Fraction) -> Fraction:
@@ -427,6 +505,8 @@ def reduced_start(
     (0 if exact).
     """
     zero = Fraction(0)
+    x0 = x0 - model.pull * t0
+    v0 = v0 - model.pull
     (cos, sin, exact) = cos_sin(model.Omega * t0)
     s0 = reduced_time(model, t0)
     if model.delay:
@@ -494,4 +574,4 @@ def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
 
 
 MODEL_NAMES = tuple(field.name for field in fields(OtherModel))
-NUMBER_NAMES = tuple(name for name in MODEL_NAMES if name != "joined")
+NUMBER_NAMES = tuple(name for name in MODEL_NAMES if name not in ("joined", "belts"))

@@ -66,6 +66,7 @@ QUANTITIES = {
     "phase": Quantity("phase of the excitation", "angle", r"\varphi"),
     "Y": Quantity("amplitude of the base", "length", "Y"),
     "Y_phase": Quantity("phase of the base", "angle", r"\varphi_Y"),
+    "pull": Quantity("constant speed of the base", "length/time", "u"),
     "W": Quantity("amplitude of the belts' speeds", "length/time", "W"),
     "W_phase": Quantity("phase of the belts' speeds", "angle", r"\varphi_W"),
     "g": Quantity("gravity", "length/time^2", "g"),

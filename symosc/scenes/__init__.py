@@ -275,7 +275,8 @@ def _reduced_problem(original: Original) -> tuple[dict[str, Fraction], StartErro
         # An error of t0 is also one of the belts' position and velocity, which are subtracted.
         t_error = error[0]
         rate = model.shift.rate(model.Omega)
-        moved = Fraction(0), rate.bound() * t_error, rate.rate(model.Omega).bound() * t_error
+        speed = rate.bound() + abs(model.pull)
+        moved = Fraction(0), speed * t_error, rate.rate(model.Omega).bound() * t_error
         known = tuple(map(sum, zip(known, error, moved, strict=True)))  # type: ignore[assignment]
     numbers = dict(zip(START_NAMES, (*start, reduced_time(model, t_end)), strict=True))
     return numbers, known if any(known) else error
@@ -512,7 +513,7 @@ def read_scene(text: str, where: str) -> Scene:
         numbers = data["parameters"]
         problem: OtherModel | Model
         if "model" in data:
-            problem = OtherModel(**numbers, **data["model"])
+            problem = OtherModel(**numbers, **data["model"], belts=tuple(belts))
         elif belts:
             problem = Oscillator(**numbers, belts=belts)
         else:
@@ -555,9 +556,10 @@ INTRODUCTION = """\
 # so. With pi, sqrt, sin, cos and exp a value is no fraction, and a start is then known to these digits only.
 """
 MODEL_COMMENT = """\
-# Another model, which symosc turns into its own. The base moves by Y cos(Omega t + Y_phase); the belts have the speeds
-# v1 and v2 and W cos(Omega t + W_phase), and joined = true moves them with the base; the force is A0 + B0 cos(Omega t +
-# phase); g and angle are gravity on a slope. What is left out is 0, mu1 is 1; without v2 there is one belt or wall."""
+# Another model, which symosc turns into its own. The base moves by Y cos(Omega t + Y_phase) + pull t; the belts have the
+# speeds v1 and v2 and W cos(Omega t + W_phase), and joined = true moves them with the base; the force is A0 + B0
+# cos(Omega t + phase); g and angle are gravity on a slope. What is left out is 0, mu1 is 1; without v2 there is one belt
+# or wall. Tables [[belts]] in place of v1, mu1, v2 and mu2 may have static friction and curves."""
 BELTS_COMMENT = """\
 # One belt or more: a table each. The mass sticks to a belt while the force that this needs is at most mu_s FN, and
 # slides with mu FN; without mu_s there is no static friction beyond mu. In place of mu there may be a curve over the
@@ -608,21 +610,25 @@ def as_toml(scene: Scene, explained: bool = False, file: str = "mine.toml") -> s
         own = scene.original
     p: Model = scene.parameters
     parameters: dict[str, Any] = p.as_dict()
-    belts = list[str]()
-    if isinstance(p, Oscillator) and scene.original is None:
+    of_belts: Sequence[Belt] = ()
+    if scene.original is not None:
+        of_belts = scene.original.model.belts
+    elif isinstance(p, Oscillator):
+        of_belts = p.belts
         parameters = {n: text for n, text in parameters.items() if n in OSCILLATOR_NAMES}
-        belts += [BELTS_COMMENT] if explained else []
-        for belt in p.belts:
-            belts.append("[[belts]]")
-            for name, value in belt.as_given().items():
-                if name == "curve":
-                    belts += _curve_lines(value, explained)
-                else:
-                    belts.append(line(name, show(value)))
-            belts.append("")
+    belts = [BELTS_COMMENT] if explained and of_belts else []
+    for belt in of_belts:
+        belts.append("[[belts]]")
+        for name, value in belt.as_given().items():
+            if name == "curve":
+                belts += _curve_lines(value, explained)
+            else:
+                belts.append(line(name, show(value)))
+        belts.append("")
     lines += [line("t_end", show(own.t_end)), ""]
     if scene.original is not None:
         parameters = scene.original.model.as_dict()
+        parameters.pop("belts", None)
         lines += [*([MODEL_COMMENT] if explained else []), "[model]"]
         if parameters.pop("joined", False):
             lines.append("joined = true")

@@ -25,9 +25,9 @@ TABLES: dict[str, Keys] = {
 }
 #: The keys of a file with a table [model], which is about another model (`symosc.reductions`).
 NEEDED = ("m", "k", "Omega")
-MODEL_KEYS = tuple(name for name in MODEL_NAMES if name not in PARAMETER_NAMES)
+MODEL_KEYS = tuple(name for name in MODEL_NAMES if name not in (*PARAMETER_NAMES, "belts"))
 MODEL_TABLES = TABLES | {
-    "": (TABLES[""][0], (*TABLES[""][1], "model")),
+    "": (TABLES[""][0], (*TABLES[""][1], "model", "belts")),
     "parameters": (NEEDED, tuple(name for name in PARAMETER_NAMES if name not in NEEDED)),
     "model": ((), MODEL_KEYS),
 }
@@ -183,12 +183,6 @@ def read_scene_file(text: str, where: str) -> SceneFile:
 def _check_belts(file: SceneFile) -> None:
     """Raise SceneError for the form of the tables [[belts]], or for what excludes them."""
     belts = file.data["belts"]
-    if "model" in file.data:
-        raise SceneError(
-            file.where,
-            f"{file.place('belts')}: a file with a table [model] has no tables [[belts]]: give its "
-            "belts as v1, mu1, v2 and mu2 in [parameters]",
-        )
     if not (isinstance(belts, list) and belts and all(isinstance(belt, dict) for belt in belts)):
         raise SceneError(
             file.where,

@@ -36,7 +36,7 @@ from symosc.kernels._generated import acceleration, motion
 from symosc.kernels.elementary import cos, sin
 from symosc.kernels.entire import basis_with_drive
 from symosc.model import Model
-from symosc.reductions import event_back, motion_of_belts, number_like
+from symosc.reductions import event_back, motion_of_frame, number_like
 from symosc.scenes import Original
 from symosc.simulation.samples import MotionSamples, even_samples
 from symosc.simulation.tables import rows_of, write_csv
@@ -590,7 +590,7 @@ class MovedTrajectory(Trajectory):
         """Return [x, v] in the coordinates of the model at the times `t`."""
         require(*ARRAY_LIKE, t=t)
         times, own = self._times(t)
-        return np.asarray(self.reduced(own) + np.stack(motion_of_belts(self.model, times)))
+        return np.asarray(self.reduced(own) + np.stack(motion_of_frame(self.model, times)))
 
     @public
     def mode(self, t: ArrayLike) -> Any:
@@ -625,5 +625,5 @@ def belt_path(trajectory: Trajectory, boundary: int, t: np.ndarray) -> np.ndarra
     speed = float(trajectory.parameters.belt(boundary))
     path = np.stack([speed * t, np.full(t.shape, speed)])
     if isinstance(trajectory, MovedTrajectory):
-        return path + np.stack(motion_of_belts(trajectory.model, t))
+        return path + np.stack(motion_of_frame(trajectory.model, t))
     return path
