@@ -24,7 +24,7 @@ from functools import cache, cached_property
 from math import isqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from symosc.base.aliases import Number, NumberLike
+from symosc.base.aliases import Number
 from symosc.base.arguments import ARRAY_LIKE, FLAG, NUMBER, public, require, require_or_none
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import read_exact, show, unmasked

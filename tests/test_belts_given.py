@@ -316,7 +316,7 @@ WRONG_FILES = {
     "equal speeds": (('v = "2.5 cm/s"', "v = 2"), "both have the speed 2"),
     "a drive without Omega": (("k = 1", "k = 1\nB0 = 1"), "Omega is required unless B0 = 0"),
     "no damping": (("c = 0\n", ""), "parameters.c is missing"),
-    "a model": (("[start]", "[model]\nY = 1\n[start]"), "a file with a table [model] has no tables"),
+    "a model": (("[start]", "[model]\nv = 1\n[start]"), "Omega is missing"),
     "static friction in parameters": (("k = 1", "k = 1\nmu_s1 = 2"), "tables [[belts]] have v, mu or curve"),
 }  # fmt: skip
 

@@ -16,7 +16,7 @@ from cli_runs import run
 from other_models import KINDS, TURN, Original, drawn
 
 import symosc
-from symosc import OtherModel, ParameterError, Scene, frequency_response, load_scene, simulate
+from symosc import Belt, OtherModel, ParameterError, Scene, frequency_response, load_scene, simulate
 from symosc.scenes import as_toml, read_scene
 
 
@@ -134,6 +134,37 @@ def test_the_table_of_the_page_has_the_drives() -> None:
         assert (float(model.parameters.B0), float(model.delay)) == pytest.approx(
             (B0, delay), abs=1e-14
         )
+
+
+def test_a_pulled_block_has_static_friction() -> None:
+    """It is S8 of the references, seen from the floor: it slips after 4 and again after 3 + slip."""
+    block = OtherModel(m=1, k=2, Omega=1, FN=1, pull="1/10", belts=[Belt(0, "1/2", mu_s="4/5")])
+    slip = (2 * np.pi - 2 * np.arctan(3 * np.sqrt(2) / 2)) / np.sqrt(2)
+    ends = [4, 4 + slip, 7 + slip, 7 + 2 * slip]
+    motion = simulate(block, t_end=13)
+    assert [event.t for event in motion.events] == pytest.approx(ends, abs=1e-12)
+    # the spring slackens from 2/5 to 1/10 while the block slips
+    gain = 0.1 * slip + 0.3
+    assert [event.x for event in motion.events] == pytest.approx(
+        [0, gain, gain, 2 * gain], abs=1e-12
+    )
+    assert [event.v for event in motion.events] == pytest.approx([0] * 4, abs=1e-15)
+    assert motion(12.9)[1] == 0
+    assert eval(repr(block)) == block
+    scene = Scene("pulled", block, t0=0, x0=0, v0=0, t_end=13)
+    for explained in (False, True):
+        again = read_scene(as_toml(scene, explained), "pulled.toml")
+        assert again.original == scene.original
+    with pytest.raises(ParameterError, match="static friction of belt 1"):
+        block.parameters  # noqa: B018
+    for wrong, said in (
+        ({"v1": 1}, "v1 = '1': must be omitted if belts are given"),
+        ({"mu2": 1}, "mu2 = '1': must be omitted"),
+        ({"belts": 3}, "belts = 3"),
+        ({"pull": "fast"}, "pull = 'fast'"),
+    ):
+        with pytest.raises(ParameterError, match=said):
+            block.replace(**wrong)
 
 
 def test_the_phase_of_a_late_start_is_right() -> None:

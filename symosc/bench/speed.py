@@ -287,7 +287,7 @@ def _laws(count: int, belts: int) -> Iterator[Call]:
 
 def _with_corners(belt: Any, corners: int) -> Belt:
     """Return a belt whose friction falls by a tenth in so many unequal steps over one unit of speed."""
-    points = [(0, belt.mu)]
+    points = [(Fraction(0), belt.mu)]
     for n in range(1, corners + 1):
         w = Fraction(n, corners)
         points.append((w, belt.mu * (1 - w * (2 - w) / 10)))

@@ -108,7 +108,7 @@ from symosc.engine.state import (
 from symosc.engine.summary import EVENTS_SO_FAR, SKIPPED, STICKS, tally_step
 from symosc.kernels._generated import acceleration, basis_apart, motion, stick_acceleration
 from symosc.kernels.elementary import WIDEST, exp, select, sine_cosine
-from symosc.kernels.entire import APART_ABOVE, EPS, SERIES_BELOW, SIXTH
+from symosc.kernels.entire import APART_ABOVE, EPS, INVERSES, SERIES_BELOW, SIXTH
 from symosc.kernels.rebind import outlined
 
 # Here these names are placeholders: compiled code has those of `symosc.kernels.lane_types`, at its
@@ -439,10 +439,9 @@ def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
         shift, missing = root_by_series(over, now.F, now.G1, now.G2, now.G3)
         sure = (abs(over * now.G1) < 0.1 * now.F * now.F) & (missing <= EPS * tau)
         inside = (low - slack <= tau + shift) & (tau + shift <= high + slack)
-        # Where the closed form of `flown_side_by_side` loses digits, the scalar loop goes on.
-        pending = (
-            pending & sure & inside & (K.rate * tau >= SERIES_BELOW) & (K.w0 * tau >= APART_ABOVE)
-        )
+        # Where `flown_side_by_side` loses digits, the scalar loop goes on.
+        accurate = (K.rate * tau < SERIES_BELOW) | (K.w0 * tau >= APART_ABOVE)
+        pending = pending & sure & inside & accurate
         near = abs(shift) * K.rate < NEAR
         done = done | (pending & near)
         pending = pending & ~near
@@ -453,9 +452,10 @@ def polish_side_by_side(good, now, there, side, v0, F0, s0, c0, walls, K):
 
 
 def flown_side_by_side(tau, v0, F0, s0, c0, K):
-    """Return for each lane the point of a flight at `tau` after launch, by the closed form.
+    """Return for each lane the point of a flight at `tau` after launch, by the closed form or, for
+    tau below SERIES_BELOW/rate, by the series.
 
-    Only for tau >= SERIES_BELOW/rate and tau >= APART_ABOVE/w0, below which the form loses digits.
+    Between that and APART_ABOVE/w0, if this is later, the closed form loses digits.
     """
     # `basis_apart` is for characteristic roots that are apart, from each other and from i Omega
     # (`suits_lanes` asks for `K.apart`). G1, G2, G3 are the second to fourth derivative of v.
@@ -465,11 +465,54 @@ def flown_side_by_side(tau, v0, F0, s0, c0, K):
     E0, E1, E2, R2, I2 = basis_apart(
         decay, s_w, c_w, s_Om, c_Om, K.h, K.omega_d, K.w0sq, K.Om, K.p, K.q
     )
+    short = K.rate * tau < SERIES_BELOW
+    if any_of(short):
+        responses = series_in_lanes(tau, K.cm, K.w0sq, K.beat, short)
+        E0 = select(short, responses[0], E0)
+        E1 = select(short, responses[1], E1)
+        E2 = select(short, responses[2], E2)
+        R2 = select(short, responses[3], R2)
+        I2 = select(short, responses[4], I2)
     dx, dv, F = motion(v0, F0, s0, c0, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
     s = s0 * c_Om + c0 * s_Om
     c = c0 * c_Om - s0 * s_Om
     G1, G2, G3 = derivatives(v0 + dv, F, s, c, K)
     return Flown(tau, dx, dv, F, G1, G2, G3, s, c, E0, E1, E2)
+
+
+def series_in_lanes(tau, cm, w0sq, Om, wanted):
+    """Return E0, E1, E2, R2, I2 by Taylor series in the lanes that are `wanted`, as
+    `symosc.kernels.entire.series` does for one motion.
+    """
+    zero = 0.0 * tau
+    before = zero
+    term = tau
+    E0 = 1.0 + zero
+    E1 = tau
+    E2 = 0.5 * tau * tau
+    r = E2
+    i = zero
+    R2 = r
+    I2 = i
+    small_before = wanted & ~wanted
+    for n in range(1, 38):
+        slope = -cm * term - w0sq * tau * INVERSES[n] * before
+        before = term
+        term = slope * tau * INVERSES[n + 1]
+        shorter = tau * INVERSES[n + 2]
+        r, i = (term - Om * i) * shorter, Om * r * shorter
+        E0 = select(wanted, E0 + slope, E0)
+        E1 = select(wanted, E1 + term, E1)
+        E2 = select(wanted, E2 + term * shorter, E2)
+        R2 = select(wanted, R2 + r, R2)
+        I2 = select(wanted, I2 + i, I2)
+        small = abs(slope) <= EPS
+        done = small & small_before & (abs(r) <= EPS * R2) & (abs(i) <= EPS * abs(I2))
+        wanted = wanted & ~done
+        if not any_of(wanted):
+            break
+        small_before = small
+    return E0, E1, E2, R2, I2
 
 
 def advance_phases(n, theta, theta_low, s, c, tau, K):

@@ -556,10 +556,10 @@ INTRODUCTION = """\
 # so. With pi, sqrt, sin, cos and exp a value is no fraction, and a start is then known to these digits only.
 """
 MODEL_COMMENT = """\
-# Another model, which symosc turns into its own. The base moves by Y cos(Omega t + Y_phase) + pull t; the belts have the
-# speeds v1 and v2 and W cos(Omega t + W_phase), and joined = true moves them with the base; the force is A0 + B0
-# cos(Omega t + phase); g and angle are gravity on a slope. What is left out is 0, mu1 is 1; without v2 there is one belt
-# or wall. Tables [[belts]] in place of v1, mu1, v2 and mu2 may have static friction and curves."""
+# Another model, which symosc turns into its own. The base moves by Y cos(Omega t + Y_phase) + pull t; the belts have
+# the speeds v1 and v2 and W cos(Omega t + W_phase), and joined = true moves them with the base; the force is A0 + B0
+# cos(Omega t + phase); g and angle are gravity on a slope. What is left out is 0, mu1 is 1; without v2 there is one
+# belt or wall. Tables [[belts]] in place of v1, mu1, v2 and mu2 may have static friction and curves."""
 BELTS_COMMENT = """\
 # One belt or more: a table each. The mass sticks to a belt while the force that this needs is at most mu_s FN, and
 # slides with mu FN; without mu_s there is no static friction beyond mu. In place of mu there may be a curve over the

@@ -450,7 +450,9 @@ def before(
     scene: LawScene, band: Any, k: Fraction, there: tuple[Any, Any], when: Any, early: float
 ) -> tuple[Any, Any]:
     """Return x and v a time `early` before the state `there` at the time `when`, in a band."""
-    m, c, k, A, B0, Omega = map(number_in, (scene.m, band.c, k, band.A, scene.B0, scene.Omega or Fraction(1)))
+    m, c, k, A, B0, Omega = map(
+        number_in, (scene.m, band.c, k, band.A, scene.B0, scene.Omega or Fraction(1))
+    )
     # x, v, 1, and the drive's cosine and sine
     rates = mpmath.matrix(
         [[0, 1, 0, 0, 0], [-k / m, -c / m, A / m, B0 / m, 0], [0] * 5, [0, 0, 0, 0, -Omega], [0, 0, 0, Omega, 0]]

@@ -21,6 +21,8 @@ KINDS: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "joined wall and force": (("Y", "Y_phase", "B0", "phase", "c"), {"joined": True}),
     "oscillating belts": (("W", "W_phase", "v1", "v2", "mu1", "mu2", "B0", "c"), {}),
     "incline": (("B0", "phase", "angle", "v1", "c"), {"FN": None, "g": "9.81", "mu1": "1/5"}),
+    "pulled spring": (("pull", "c", "v1", "v2", "mu1", "mu2"), {}),
+    "pulled wall": (("pull", "Y", "c"), {"joined": True}),
     "all": (
         (
             "B0",
@@ -36,6 +38,7 @@ KINDS: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
             "A0",
             "angle",
             "c",
+            "pull",
         ),
         {"g": 2},
     ),
@@ -58,7 +61,13 @@ def drawn(kind: str, seed: int) -> OtherModel:
         "mu2": (0.1, 1),
         "A0": (-1, 1),
     }
-    ranges |= {"angle": (0.05, 0.5), "B0": (0.5, 3), "Y": (0.5, 3), "W": (0.5, 3)}
+    ranges |= {
+        "pull": (-0.5, 0.5),
+        "angle": (0.05, 0.5),
+        "B0": (0.5, 3),
+        "Y": (0.5, 3),
+        "W": (0.5, 3),
+    }
     numbers: dict[str, Any] = {name: number(*ranges.get(name, (-4, 4))) for name in names}
     basic = {
         "m": number(0.5, 2),
@@ -76,7 +85,7 @@ class Original:
         self.n = {
             name: float(getattr(model, name) or 0)
             for name in vars(model)
-            if name in OtherModel.__annotations__
+            if name in OtherModel.__annotations__ and name != "belts"
         }
         self.one_belt, self.step = (
             model.v2 is None,
@@ -90,7 +99,9 @@ class Original:
         Y = self.n["Y"]
         Om = self.n["Omega"]
         angle = self.n["Omega"] * t + self.n["Y_phase"]
-        return Y * np.cos(angle), -Y * Om * np.sin(angle), -Y * Om**2 * np.cos(angle)
+        pull = self.n["pull"]
+        y = Y * np.cos(angle) + pull * t
+        return y, -Y * Om * np.sin(angle) + pull, -Y * Om**2 * np.cos(angle)
 
     def belts(self, t: float) -> tuple[list[float], float]:
         """Return the speeds of the belts, and their acceleration."""
