@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import partial
 from itertools import pairwise
 from math import floor, inf, log10, pi, sqrt
@@ -130,6 +131,22 @@ class View:
             and self.trajectory.model.shift.bound() != 0
         )
 
+    def speed_of(self, belt: int) -> float:
+        """Return the mean speed of a belt, in the coordinates of the trajectory."""
+        return self._moved(self.trajectory.parameters.belt(belt))
+
+    def corners(self) -> list[float]:
+        """Return the speeds of the corners of friction curves among the velocities drawn."""
+        edges = self.trajectory.parameters.law.edges
+        speeds = [self._moved(edge.v) for edge in edges if not edge.belt]
+        return [speed for speed in speeds if self.v.min() < speed < self.v.max()]
+
+    def _moved(self, speed: Fraction) -> float:
+        """Return a speed of the law in the coordinates of the trajectory."""
+        if isinstance(self.trajectory, MovedTrajectory):
+            speed += self.trajectory.model.pull
+        return float(speed)
+
     def belts(self) -> list[int]:
         """Return the belts to draw: `boundary`, and any belt with a speed near the velocities
         drawn.
@@ -139,9 +156,16 @@ class View:
         p = self.trajectory.parameters
         allowed = LONGER_AXIS * (high - low)
         near_belts = [
-            belt for belt in p.law.boundaries if low - allowed <= p.belt(belt) <= high + allowed
+            belt
+            for belt in p.law.boundaries
+            if low - allowed <= self.speed_of(belt) <= high + allowed
         ]
         return sorted({*near_belts, self.boundary})
+
+
+def boundary_of(mode: str) -> int:
+    """Return the number of the belt in the name of a stick."""
+    return int(mode.removeprefix("belt"))
 
 
 class Sampling(NamedTuple):
@@ -175,7 +199,7 @@ def view_of(
     if boundary is None:
         # The belt of the first contact, else the one that the velocity comes nearest to.
         if sticks_first:
-            boundary = int(first_mode[-1])
+            boundary = boundary_of(first_mode)
         elif events:
             boundary = events[0].boundary
         else:
@@ -192,7 +216,7 @@ def view_of(
         if contact.until >= t[0]
     ]
     if sticks_first:
-        marks = [Mark("onset of stick", ONSET_COLOR, start, int(first_mode[-1]))]
+        marks = [Mark("onset of stick", ONSET_COLOR, start, boundary_of(first_mode))]
     else:
         marks = [Mark("start", "white", start)]
     marks += [Mark(*EVENT_MARKS[event.kind], float(event.t), event.boundary) for event in events]
@@ -294,7 +318,7 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
             zorder=0,
         )
     for belt in view.belts() if across == "v" and not view.belts_move else ():
-        speed = float(view.trajectory.parameters.belt(belt))
+        speed = view.speed_of(belt)
         ax.axvline(speed, color=BELT_COLOR, lw=0.6, zorder=1, label="belt")
         ax.annotate(
             f"$v_{belt}$",
@@ -382,17 +406,19 @@ def _belt_points(ax: Axes, view: View) -> None:
 def _belt_speeds(ax: Axes, view: View) -> None:
     """Draw lines at the speeds of the belts, with their names on the right."""
     # Above the mass, but thinner: in a stick both are seen.
-    p = view.trajectory.parameters
     low, high = ax.get_ylim()
+    if not view.belts_move:
+        for corner in view.corners():
+            ax.axhline(corner, color=BELT_COLOR, lw=0.4, ls=(0, (1, 4)), zorder=0)
     belts = view.belts()
-    speeds = [float(p.belt(belt)) for belt in belts]
+    speeds = [view.speed_of(belt) for belt in belts]
     gap = min((upper - lower for lower, upper in pairwise(speeds)), default=inf)
     names_touch = gap < NAMES_TOUCH * (high - low)
     for belt, speed in zip(belts, speeds, strict=True):
         # In points, the lower name down and the upper one up.
         shift = 0
         if names_touch:
-            shift = {belts[0]: -5, belts[-1]: 5}[belt]
+            shift = {belts[0]: -5, belts[-1]: 5}.get(belt, 0)
         if view.belts_move:
             _, path = belt_path(view.trajectory, belt, view.t)
             ax.plot(view.t, path, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")

@@ -23,6 +23,9 @@ from problems import ordinary
 
 import symosc
 from symosc import (
+    Belt,
+    Oscillator,
+    OtherModel,
     OutputError,
     Trajectory,
     continue_orbit,
@@ -349,3 +352,31 @@ def test_what_is_no_transient_is_refused() -> None:
     for skip in (-1, 100, "20T", "x"):
         with pytest.raises(symosc.ParameterError, match="skip"):
             plot.figure(motion, skip=skip)
+
+
+# -- laws of friction ---------------------------------------------------------------------------------
+
+
+def test_corners_are_drawn_lightly_and_belts_where_they_are() -> None:
+    """The corners of the curve lie at -3, -1, 5 and 7, of which the motion passes the first two."""
+    law: dict[str, Any] = {"m": 1, "c": "1/5", "k": 1, "B0": 1, "Omega": 1}
+    belt = Belt(2, curve=[(0, 1), (3, "1/2"), (5, "2/5")])
+    figure = simulate(Oscillator(**law, belts=[belt]), x0=6, v0=-1, t_end=30).plot(panels="bc")
+    for ax in figure.axes[:2]:
+        levels = {line.get_ydata()[0] for line in ax.lines if len(set(line.get_ydata())) == 1}
+        assert {-3.0, -1.0, 2.0} <= levels
+        assert not {5.0, 7.0} & levels
+    close = [Belt(v, mu) for v, mu in (("1/5", "2/5"), ("3/10", "1/5"), ("2/5", "1/5"))]
+    figure = simulate(Oscillator(**law, belts=close), t_end=30).plot(panels="b")
+    names = [text.get_text() for text in figure.axes[0].texts if text.get_text()]
+    assert names == ["$v_1$", "$v_2$", "$v_3$"]
+
+
+def test_belts_of_a_pulled_block_are_drawn_in_its_own_coordinates() -> None:
+    block = OtherModel(m=1, k=2, Omega=1, FN=1, pull="1/10", belts=[Belt(0, "1/2", mu_s="4/5")])
+    figure = simulate(block, t_end=13).plot(panels="b")
+    levels = {
+        line.get_ydata()[0] for line in figure.axes[0].lines if len(set(line.get_ydata())) == 1
+    }
+    assert 0.0 in levels
+    assert -0.1 not in levels
