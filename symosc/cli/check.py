@@ -34,7 +34,8 @@ if TYPE_CHECKING:
 @flag("--own-start", "Allow a solution that starts elsewhere than the scene.")
 @flag("--partial", "Allow a solution that ends before the scene does.")
 @option(
-    "--columns t=…,x=…,v=…", "What the columns are called, or their numbers; v=none: no velocities."
+    "--columns t=…,x=…,v=…",
+    "Which columns are meant: names, numbers or NAME[i]; v=none: no velocities.",
 )
 @option(
     "--tolerance E", "Allowed defect of a step, relative to the largest |x|, |v|; default 1e-8."
@@ -63,7 +64,9 @@ def check(
 
     Give SCENE FILE, FILE --scene SCENE, or FILE --case NAME; FILE is - for standard input. It holds
     samples t, x, v in columns: .csv, .tsv, .txt (any delimiter, with a header or without), .npz,
-    .json, .mat, .parquet, .feather, .h5, what Octave saves, and .gz of them. Each step is compared
+    .json, .mat (also of Simulink, OpenModelica and Dymola), .parquet, .feather, .h5, what Octave
+    saves, and .gz of them. Usual names of columns are known, such as time, pos and vel, x1 and x2,
+    q and dq; --columns names others. Each step is compared
     with the exact motion over it: the difference is its defect. The whole is compared with the
     exact motion from the same start, and the switching events of the samples with the exact ones.
     Says which were missed or invented, and what is probably wrong: a coefficient, a sign, the
@@ -79,7 +82,8 @@ def check(
     \b
     Examples:
       symosc check run.csv --scene fig9
-      symosc check fig5 run.csv --columns t=time,x=pos,v=vel --tolerance 1e-6 -o errors.pdf
+      symosc check fig5 run.csv --columns t=1,x=3,v=4 --tolerance 1e-6 -o errors.pdf
+      symosc check fig5 run.mat --columns x=state[1],v=state[2]
       symosc check fig9 run.csv --report check.html
       symosc check run.csv --case late-start-t0-1e8-fig9
       symosc check fig9 --set k=3 --solver mysolver:solve

@@ -23,7 +23,10 @@ from symosc.cli.options import Settings, Text, flag, option
 )
 @option("--start NAME=VALUE", "First value of a free number. Repeatable.", multiple=True)
 @flag("--robust", "Let outliers hardly count: up to a tenth of the data.")
-@option("--columns t=…,x=…", "What the columns t, kind, x and v are called; v=none: no velocities.")
+@option(
+    "--columns t=…,x=…",
+    "Which columns are t, kind, x and v: names, numbers or NAME[i]; v=none: no velocities.",
+)
 @options.plot_option
 @options.set_option
 @options.json_option

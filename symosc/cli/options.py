@@ -193,7 +193,9 @@ def split_columns(text: Text, known: Sequence[str]) -> dict[str, str]:
     """Return the names of columns by what they hold, which is one of `known`."""
     form = ", ".join(f"{name}=NAME" for name in known[:-1]) + f" or {known[-1]}=NAME"
     names: dict[str, str] = {}
-    for part in () if text is None else text.split(","):
+    # A comma may stand in a name: only one before t=, x=, ... divides.
+    divider = rf",(?=\s*(?:{'|'.join(known)})\s*=)"
+    for part in () if text is None else re.split(divider, text):
         name, column = split_setting(part, "--columns", form, names)
         if name not in known:
             raise click.BadParameter(f"{part!r} is not {form}", param_hint="--columns")

@@ -101,7 +101,8 @@ def crosscheck(
         Allow a solution of a scene that starts elsewhere, and one that ends before the scene's
         `t_end`.
     columns : mapping, optional
-        What the columns t, x, v and id of a file or a table are called.
+        Which columns of a file or a table are t, x, v and id: names, numbers from 1, or "NAME[i]" for
+        a row or column of a matrix; "none" for no v. Default: those with usual names.
     workers, progress : int, callable or True, optional
         Processes for several solutions (None: all cores); what is called with the numbers of those
         done and of all.

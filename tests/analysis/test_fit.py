@@ -385,7 +385,7 @@ def test_columns_are_known_as_in_checks(tmp_path: Path) -> None:
     events = {"when": [1.22098, 8.28934], "what": ["slip", "slip"]}
     columns = {"t": "when", "kind": "what"}
     assert fit("fig5", events, "mu1", sigma=1e-3, columns=columns).success
-    refused(lambda: fit("fig5", {"clock": t, "u": x}, "mu1"), "data")
+    refused(lambda: fit("fig5", {"o'clock": t, "u": x}, "mu1"), "column")
     refused(lambda: fit("fig5", {"t": t, "u": x}, "mu1", columns={"x": "w"}), "column")
     refused(lambda: fit("fig5", events, "mu1", columns={"t": "when", "kind": "why"}), "column")
     refused(lambda: fit("fig5", tmp_path / "no.csv", "mu1"), "file")

@@ -145,7 +145,12 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
         np.savez(tmp_path / "run.npz", **{**COLUMNS, **values})
         one_line(tmp_path / "run.npz", words)
     pandas.DataFrame({"t": T, "x": X, "w": V}).to_parquet(tmp_path / "other.parquet")
-    one_line(tmp_path / "other.parquet", "column = 'v': is missing", "there are: t, x, w")
+    one_line(
+        tmp_path / "other.parquet",
+        "column = 'v': not found in",
+        "its columns are t, x, w;",
+        "--columns v=w",
+    )
     (tmp_path / "none.parquet").write_bytes(b"PAR1" * 9)
     with pytest.raises(
         ParameterError, match=r"is not a readable parquet file, or is damaged: \w.*\w"
@@ -156,9 +161,13 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
 def test_what_is_in_a_struct_is_named_after_it(tmp_path: Path) -> None:
     variables = {"out": {"run": COLUMNS, "limits": {"x": 5.0}}, "step": 0.1}
     savemat(tmp_path / "run.mat", variables)
-    with pytest.raises(ParameterError, match=r"there are: out\.run\.t, .*out\.limits\.x, step"):
+    for asked in ({}, {name: f"out.run.{name}" for name in "txv"}):
+        np.testing.assert_array_equal(read_samples(tmp_path / "run.mat", asked).v, V)
+    savemat(tmp_path / "run.mat", {"out": {"one": COLUMNS, "other": COLUMNS}})
+    words = r"its columns are one\.t, .*other\.v; .* --columns t=one\.t,x=one\.x,v=one\.v"
+    with pytest.raises(ParameterError, match=words):
         read_samples(tmp_path / "run.mat")
-    asked = {name: f"out.run.{name}" for name in "txv"}
+    asked = {name: f"other.{name}" for name in "txv"}
     np.testing.assert_array_equal(read_samples(tmp_path / "run.mat", asked).v, V)
 
 
@@ -238,7 +247,8 @@ def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> 
 
 
 def read(content: str, **asked: str | None) -> dict[str, np.ndarray]:
-    return read_text(io.BytesIO(content.encode()), asked, "here").columns
+    file = io.BufferedReader(io.BytesIO(content.encode()))  # type: ignore[arg-type]
+    return read_text(file, "here").chosen(asked, "here")
 
 
 def test_numbers_are_read_however_they_are_written() -> None:

@@ -132,8 +132,10 @@ def test_several_solutions_in_one_object() -> None:
 
 def test_rows_may_have_numbers_for_names() -> None:
     """Names that are no text stopped the reader with a TypeError."""
-    with pytest.raises(ParameterError, match="there are: 1, 2"):
-        solutions_in([{1: 0.0, 2: 1.0}, {1: 1.0, 2: 2.0}], {})
+    (samples,) = solutions_in([{1: 0.0, 2: 1.0}, {1: 1.0, 2: 2.0}], {})
+    assert samples.x.tolist() == [1.0, 2.0]
+    with pytest.raises(ParameterError, match="its columns are 1, 2, 3, 4;"):
+        solutions_in([dict.fromkeys((1, 2, 3, 4), 0.0)] * 2, {})
 
 
 def test_results_of_scipy_with_their_events() -> None:
@@ -295,25 +297,24 @@ def test_a_function_gets_the_problem(
 # -- columns ---------------------------------------------------------------------------------------
 
 
+def chosen(names: list[str], **asked: str | None) -> dict[str, str]:
+    return {role: names[i] for role, i in find_columns(names, asked, "here").items()}
+
+
 def test_the_exact_name_comes_first_then_usual_ones_in_any_case() -> None:
-    assert find_columns(["X", "x", "T", "V"], {}, "here") == {"t": "T", "x": "x", "v": "V"}
-    assert find_columns(["Time", "Pos", "Run", "velocity"], {}, "here") == {
+    assert chosen(["X", "x", "T", "V"]) == {"t": "T", "x": "x", "v": "V"}
+    assert chosen(["Time", "Pos", "Run", "velocity"]) == {
         "t": "Time", "x": "Pos", "id": "Run", "v": "velocity",
     }  # fmt: skip
-    assert find_columns(["t", "x", "events"], {}, "here") == {"t": "t", "x": "x"}
-    assert find_columns(["t", "x", "w"], {"v": None}, "here") == {"t": "t", "x": "x"}
-    assert find_columns(["t", "A", "w"], {"x": "a", "v": "w"}, "here") == {
-        "t": "t",
-        "x": "A",
-        "v": "w",
-    }
+    assert chosen(["t", "x", "w"], v=None) == {"t": "t", "x": "x"}
+    assert chosen(["t", "A", "w"], x="a", v="w") == {"t": "t", "x": "A", "v": "w"}
 
 
 def test_columns_are_asked_for_one_by_one() -> None:
     for columns, words in (
         ({"t": "a", "x": "a"}, "three columns"),
         ({"x": "v"}, "three columns"),
-        ({"y": "a"}, "only"),
+        ({"y": "a"}, "must be one of t, x, v and id"),
     ):
         with pytest.raises(ParameterError, match=words):
             read_column_names(columns)
@@ -404,7 +405,7 @@ TEXTS = {
         '{"t": [0, ' + "1" * 5000 + '], "x": [0, 1], "v": [0, 1]}',
         "thousands of digits",
     ),
-    "surrogate.json": ('{"\\ud800": ["0"], "x": [0], "v": [0]}', "there are: \\ud800"),
+    "surrogate.json": ('{"\\ud800": ["0"], "x": [0], "v": [0]}', "its columns are \\ud800"),
     "header.csv": ("t,x,v\n", "at least 2"),
     "holes.csv": ("t,x,v\n0,,0\n1,1,1", "x[0] = ''"),
     "field.csv": ("t,x,v\n" + "1" * 200000 + ",0,0\n1,1,1", "at most 4000 characters"),
@@ -433,7 +434,7 @@ def test_npz_files(tmp_path: Path) -> None:
         (GOOD | {"events": np.array([(0.5, "stick")], object)}, "not of Python objects"),
         (GOOD | {"events": 5}, "events"),
         (GOOD | {"t": SAMPLES_T + 0j}, "t[0]"),
-        ({"t": SAMPLES_T, "pos": SAMPLES_X, "velo": SAMPLES_V}, "there are: t, pos"),
+        ({"t": SAMPLES_T, "pos": SAMPLES_X, "w": SAMPLES_V}, "its columns are t, pos, w"),
     ):
         np.savez(path, **arrays)
         one_line(lambda: crosscheck("fig9", path), words)

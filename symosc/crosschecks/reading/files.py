@@ -10,16 +10,16 @@ import sys
 import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import IO, Any, NamedTuple, TypeVar
 
 from symosc.base.errors import ParameterError, SymoscError, brief
 from symosc.base.files import STDIN_CLOSED, STDOUT, read_path
 from symosc.crosschecks.reading import formats
-from symosc.crosschecks.reading.names import Asked
-from symosc.crosschecks.reading.text import Choose, read_cells, read_text
+from symosc.crosschecks.reading.text import read_text
 
-#: Return what a file holds: (file, the columns asked for or None for all, its name for messages).
-Reader = Callable[[IO[bytes], Asked | None, str], Any]
+#: Return what a file holds: (file, its name for messages).
+Reader = Callable[[io.BufferedReader, str], Any]
+Result = TypeVar("Result")
 
 
 class Format(NamedTuple):
@@ -31,16 +31,18 @@ class Format(NamedTuple):
     read: Reader
 
 
+TEXT = Format("", read_text)
 TEXT_SUFFIXES = (".csv", ".tsv", ".txt", ".dat", ".out", ".asc")
 OCTAVE = Format("Octave", formats.read_octave)
 #: The formats other than text, by suffix.
 FORMATS: dict[str, Format] = {
-    ".json": Format("", formats.read_json),
+    **dict.fromkeys((".json", ".jsonl", ".ndjson"), Format("", formats.read_json)),
     **dict.fromkeys((".npz", ".npy"), Format("npz", formats.read_numpy)),
     ".mat": Format("MATLAB", formats.read_mat),
     **dict.fromkeys((".parquet", ".pq"), Format("parquet", formats.read_parquet)),
     **dict.fromkeys((".feather", ".arrow"), Format("feather", formats.read_feather)),
-    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".nc"), Format("HDF5", formats.read_hdf5)),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf"), Format("HDF5", formats.read_hdf5)),
+    ".nc": Format("netCDF", formats.read_netcdf),
 }
 SUFFIXES = (*TEXT_SUFFIXES, *FORMATS)
 PACKED: dict[str, Callable[[Any], Any]] = {".gz": gzip.open, ".bz2": bz2.open, ".xz": lzma.open}
@@ -48,40 +50,26 @@ PACKED: dict[str, Callable[[Any], Any]] = {".gz": gzip.open, ".bz2": bz2.open, "
 BEGINNINGS = {
     b"\x1f\x8b": ".gz", b"BZh": ".bz2", b"\xfd7zXZ": ".xz",
     b"PK\x03\x04": ".npz", b"\x93NUMPY": ".npy", b"PAR1": ".parquet", b"ARROW1": ".feather",
-    b"\x89HDF": ".h5", b"MATLAB": ".mat", b"{": ".json", b"[": ".json",
+    b"\x89HDF": ".h5", b"CDF": ".nc", b"MATLAB": ".mat", b"{": ".json", b"[": ".json",
 }  # fmt: skip
 OCTAVE_BEGINNING = b"# Created by Octave"
 # So many bytes show what a file without a suffix is.
 BEGINNING_BYTES = 32
 
 
-def read_content(path: str | Path, choose: Choose) -> Any:
-    """Return all that a file holds: arrays, JSON values, or the rows of a text table.
+def read_file(path: str | Path, where: str, use: Callable[[Any], Result]) -> Result:
+    """Return what `use` makes of the content of a file: a table, columns by name, rows or an array.
 
-    A row is its place in the file, and its cells that are not empty by the names that `choose`
-    gives them.
-    """
-
-    def read_chosen(file: IO[bytes], _: Asked | None, where: str) -> Any:
-        return read_cells(file, choose, where)
-
-    return read_file(path, str(path), None, read_chosen)
-
-
-def read_file(
-    path: str | Path, where: str, asked: Asked | None, read_table: Reader = read_text
-) -> Any:
-    """Return the columns `asked` for (None: all) of a file; `read_table` reads plain text.
-
-    Any error is a ParameterError, which calls the file `where`.
+    Columns may be read while the file is open, so `use` reads those that it needs. Any error is a
+    ParameterError, which calls the file `where`.
     """
     library = ""
     try:
         with _opened(path, where) as file:
-            library, read = _format_of(path, file, where, read_table)
+            library, read = _format_of(path, file, where)
             if library and isinstance(file.raw, _Unpacked):  # libraries seek, which it cannot
-                return read(io.BytesIO(formats.whole(file, where)), asked, where)
-            return read(file, asked, where)
+                file = io.BufferedReader(io.BytesIO(formats.whole(file, where)))
+            return use(read(file, where))
     except SymoscError:
         raise
     except Exception as error:
@@ -151,7 +139,7 @@ def _opened(path: str | Path, where: str) -> io.BufferedReader:
     return file.open("rb")
 
 
-def _format_of(path: str | Path, file: io.BufferedReader, where: str, read_table: Reader) -> Format:
+def _format_of(path: str | Path, file: io.BufferedReader, where: str) -> Format:
     """Return the format of a file, by its suffix or else by how it begins."""
     suffix = "" if path == STDOUT else suffix_of(path)
     if suffix and suffix not in SUFFIXES:
@@ -160,7 +148,7 @@ def _format_of(path: str | Path, file: io.BufferedReader, where: str, read_table
     beginning = file.peek(BEGINNING_BYTES).lstrip()[:BEGINNING_BYTES]
     if beginning.startswith(OCTAVE_BEGINNING) and suffix in ("", ".mat", *TEXT_SUFFIXES):
         return OCTAVE
-    return FORMATS.get(suffix or _suffix_of_content(beginning), Format("", read_table))
+    return FORMATS.get(suffix or _suffix_of_content(beginning), TEXT)
 
 
 def _suffix_of_content(beginning: bytes) -> str:

@@ -11,8 +11,8 @@ import json
 import os
 import re
 import struct
-from collections.abc import Iterator
-from decimal import Decimal
+from collections.abc import Iterator, Mapping
+from functools import partial
 from itertools import islice
 from typing import IO, Any, NamedTuple
 
@@ -20,11 +20,18 @@ import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, brief, optional
-from symosc.crosschecks.reading.names import Asked, is_wanted, refuse_twice
+from symosc.crosschecks.reading.names import is_usual
+from symosc.crosschecks.reading.tables import ColumnTable, Stored, flattened
 
 #: The largest unpacked size, and the largest file that must be in memory as a whole.
 MOST_BYTES = 2_000_000_000
+#: Of so many values advice about columns is made.
+ADVICE = 50
+ARROW_SIGN = b"ARROW1"
+FEATHER_1_SIGN = b"FEA1"
 EXAMPLE = '{"t": [...], "x": [...], "v": [...]}'
+#: How often one array may be nested in others.
+DEEPEST_NESTING = 50
 
 
 def check_size(count: int, where: str) -> None:
@@ -40,40 +47,80 @@ def whole(file: IO[bytes], where: str) -> bytes:
     return data
 
 
-def read_json(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the content of a JSON file, with Decimals for floats if all of it is wanted (`asked`
-    is None).
+# -- JSON ------------------------------------------------------------------------------------------
+
+
+def read_json(file: IO[bytes], where: str) -> Any:
+    """Return the content of a JSON file: columns by name, or a list of rows.
+
+    A value in each line, as in .jsonl, is a row.
     """
-    text = whole(file, where).decode("utf-8-sig")
+    data = whole(file, where)
+    text = data.decode(json.detect_encoding(data)).removeprefix("\ufeff")
     if not text.strip():
         raise ParameterError("file", where, f"is empty; it must hold columns, such as {EXAMPLE}")
 
     def table(pairs: list[tuple[str, Any]]) -> Record:
-        refuse_twice(where, (name for name, _ in pairs), asked)
-        return dict(pairs)
+        content = dict(pairs)
+        if len(content) < len(pairs):
+            names = [name for name, _ in pairs if is_usual(name)]
+            twice = [name for name in content if names.count(name) > 1]
+            if twice:
+                raise ParameterError("file", where, f"has {brief(twice[0])!r} twice")
+        return content
 
+    decode = partial(json.loads, object_pairs_hook=table)
     try:
-        data = json.loads(
-            text, object_pairs_hook=table, parse_float=Decimal if asked is None else None
-        )
+        try:
+            content = decode(text)
+        except json.JSONDecodeError as error:
+            lines = [line for line in text.splitlines() if line.strip()]
+            if error.msg != "Extra data" or len(lines) < 2:
+                raise
+            content = [decode(line) for line in lines]
     except (ParameterError, json.JSONDecodeError):
         raise
     except ValueError:  # Python's own limit
         raise ParameterError(
             "file", where, "cannot be read: a number in it has thousands of digits"
         ) from None
-    rows = data if isinstance(data, list) else [data]
+    content = _unpacked(content)
+    rows = content if isinstance(content, list) else [content]
     kinds = {type(row) for row in rows}
-    are_columns = kinds == {dict} or (isinstance(data, list) and kinds == {list})
-    if asked is not None and not are_columns:
+    if kinds != {dict} and not (isinstance(content, list) and kinds == {list}):
         raise ParameterError("file", where, f"must hold columns, such as {EXAMPLE}")
-    return data
+    return content
 
 
-def read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
+def _unpacked(content: Any) -> Any:
+    """Return the columns or rows in what pandas writes with orient="split", "table", "index" or
+    "columns"; other content as it is.
+    """
+    if not isinstance(content, dict) or not content:
+        return content
+    rows = content.get("data")
+    names = content.get("columns")
+    if isinstance(rows, list) and isinstance(names, list):
+        return [names, *rows]
+    if isinstance(rows, list) and "schema" in content:
+        return rows
+    values = list(content.values())
+    if not all(isinstance(value, dict) and value for value in values):
+        return content
+    if all(map(str.isdecimal, content)):  # rows by number
+        return values
+    if all(all(map(str.isdecimal, value)) for value in values):
+        return {name: list(value.values()) for name, value in content.items()}
+    return content
+
+
+# -- numpy, parquet, feather -----------------------------------------------------------------------
+
+
+def read_numpy(file: IO[bytes], where: str) -> Any:
     """Return the content of a numpy file: its array, or its arrays by name.
 
-    As with the other formats the value of a column that is not wanted is None.
+    Arrays that numpy has named, arr_0, arr_1, ..., are a list.
     """
     data = np.load(file)
     if isinstance(data, np.ndarray):
@@ -82,84 +129,75 @@ def read_numpy(file: IO[bytes], asked: Asked | None, where: str) -> Any:
     with data:
         for name in data.files:
             try:
-                columns[name] = data[name] if is_wanted(name, asked) else None
+                columns[name] = data[name]
             except ValueError:
-                allowed = "must be an array of numbers (events, id: of text), not of Python objects"
-                raise ParameterError("file", where, f"{name} {allowed}") from None
+                columns[name] = Stored((), partial(_refuse_objects, name, where))
+    if list(columns) == [f"arr_{i}" for i in range(len(columns))]:
+        return tuple(columns.values()) if len(columns) > 1 else columns["arr_0"]
     return columns
 
 
-def read_parquet(file: IO[bytes], asked: Asked | None, where: str) -> Record:
-    """Return the wanted columns of a parquet file."""
+def _refuse_objects(name: str, where: str) -> None:
+    """Raise ParameterError for an array of Python objects, when it is needed."""
+    allowed = "must be an array of numbers (events, id: of text), not of Python objects"
+    raise ParameterError("file", where, f"{name} {allowed}")
+
+
+def read_parquet(file: IO[bytes], where: str) -> ColumnTable:
+    """Return the table in a parquet file, whose columns are read when they are chosen."""
     parquet = optional("pyarrow.parquet", "a parquet file", "tables").ParquetFile(file)
-    names = parquet.schema_arrow.names
-    table = parquet.read(columns=[name for name in names if is_wanted(name, asked)])
-    return {
-        name: table.column(name).to_numpy() if name in table.column_names else None
-        for name in names
-    }
+    names = list(parquet.schema_arrow.names)
+
+    def load(places: Mapping[str, int]) -> Record:
+        table = parquet.read(columns=[names[place] for place in places.values()])
+        return {role: table.column(names[place]).to_numpy() for role, place in places.items()}
+
+    return ColumnTable([names], load, peek=lambda place: load({"": place})[""][:ADVICE])
 
 
-def read_feather(file: IO[bytes], asked: Asked | None, where: str) -> Record:
-    """Return the wanted columns of a feather file."""
-    table = optional("pyarrow.feather", "a feather file", "tables").read_table(file)
-    return {
-        name: table.column(name).to_numpy() if is_wanted(name, asked) else None
-        for name in table.column_names
-    }
+def read_feather(file: IO[bytes], where: str) -> ColumnTable:
+    """Return the table in a feather file, or in a stream of Arrow."""
+    arrow = optional("pyarrow.feather", "a feather file", "tables")
+    beginning = file.read(len(ARROW_SIGN))
+    file.seek(0)
+    if beginning == ARROW_SIGN or beginning == FEATHER_1_SIGN + beginning[4:]:
+        table = arrow.read_table(file)
+    else:
+        table = optional("pyarrow", "a feather file", "tables").ipc.open_stream(file).read_all()
+
+    def load(places: Mapping[str, int]) -> Record:
+        return {role: table.column(place).to_numpy() for role, place in places.items()}
+
+    return ColumnTable(
+        [list(table.column_names)], load, peek=lambda place: load({"": place})[""][:ADVICE]
+    )
 
 
-def flattened(variables: Record, prefix: str = "") -> Record:
-    """Return the variables of a file by name, with those in a struct after the struct's name.
+def read_netcdf(file: IO[bytes], where: str) -> Any:
+    """Return the variables of a netCDF file, of version 3 or of version 4, which is HDF5."""
+    sign = file.read(3)
+    file.seek(0)
+    if sign != b"CDF":
+        return read_hdf5(file, where)
+    from scipy.io import netcdf_file
 
-    A struct is a dict or a record of numpy; `t` in `run` in `out` is called "out.run.t".
-    """
-    columns: Record = {}
-    for name, value in variables.items():
-        if isinstance(value, np.ndarray) and value.dtype.names:
-            value = {field: value[field][()] for field in value.dtype.names}
-        if isinstance(value, dict):
-            columns |= flattened(value, f"{prefix}{name}.")
-        else:
-            columns[f"{prefix}{name}"] = value
-    return columns
-
-
-def _content(variables: Record) -> Any:
-    """Return the variables of a file as columns; of a file with a single array this alone.
-
-    The name of a struct in which all of them are is left out of their names.
-    """
-    columns = flattened(variables)
-    while columns:
-        parts = [name.partition(".") for name in columns]
-        structs = {struct for struct, _, _ in parts}
-        if len(structs) > 1 or not all(dot for _, dot, _ in parts):
-            break
-        fields = [field for _, _, field in parts]
-        columns = dict(zip(fields, columns.values(), strict=True))
-    if len(columns) == 1:
-        (only,) = columns.values()
-        if only is not None and np.ndim(only):
-            return only
-    return columns
+    with netcdf_file(io.BytesIO(whole(file, where)), "r", mmap=False) as data:
+        return {name: np.array(variable[...]) for name, variable in data.variables.items()}
 
 
 # -- HDF5, also of MATLAB and Octave; text of Octave -----------------------------------------------
 
 
-def read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
-    """Return the datasets in one group of an HDF5 or netCDF 4 file, the one nearest to the root
-    that has any.
+def read_hdf5(file: IO[bytes], where: str) -> Record:
+    """Return the datasets of an HDF5 or netCDF 4 file by their paths, with dots.
+
+    They are read when they are needed, while the file is open.
     """
     h5py = optional("h5py", "an HDF5 file", "tables")
-    groups: dict[str, Record] = {}
+    columns: Record = {}
 
     def visit(path: str, item: Any) -> None:
-        """Enter the dataset `item` into `groups`.
-
-        The cells of an Octave cell array go into one dict, by number.
-        """
+        """Enter the dataset `item`; the cells of an Octave cell array go into one dict, by number."""
         # MATLAB keeps the targets of references in a group "#refs#", Octave x as x/type and
         # x/value.
         is_octave = "OCTAVE_NEW_FORMAT" in item.parent.attrs
@@ -171,24 +209,52 @@ def read_hdf5(file: IO[bytes], asked: Asked | None, where: str) -> Any:
             path = path.removesuffix("/value")
         cell = re.fullmatch(r"(.*)/value/_(\d+)", path)
         if cell:
-            array, number = cell.groups()
-            group, _, name = array.rpartition("/")
-            groups.setdefault(group, {}).setdefault(name, {})[int(number)] = item
+            name, number = cell.groups()
+            columns.setdefault(name.replace("/", "."), {})[int(number)] = item
         else:
-            group, _, name = path.rpartition("/")
-            groups.setdefault(group, {})[name] = item
+            columns[path.replace("/", ".")] = item
 
-    with _opened_hdf5(h5py, file, where) as root:
-        root.visititems(visit)
-        if not groups:
-            return {}
-        nearest = min(groups, key=lambda group: len(group.split("/")) if group else 0)
-        items = groups[nearest]
-        columns: Record = {}
-        for name, item in items.items():
-            is_read = len(items) == 1 or is_wanted(name, asked)
-            columns[name] = _hdf5_value(item, where) if is_read else None
-        return _content(columns)
+    root = _opened_hdf5(h5py, file, where)
+    root.visititems(visit)
+    return _named_by_text({name: _stored(item, where) for name, item in columns.items()})
+
+
+def _stored(item: Any, where: str) -> Any:
+    """Return a dataset as a column that is read when it is needed; texts and records at once."""
+    is_plain = not isinstance(item, dict) and item.dtype.kind in "iuf"
+    if is_plain and "OCTAVE_NEW_FORMAT" not in item.parent.attrs:
+        shape = tuple(size for size in item.shape if size != 1) or (1,) * min(item.ndim, 1)
+        if item.attrs.get("MATLAB_class") == b"char":
+            return "".join(map(chr, np.ravel(item[()]).tolist()))
+        return Stored(shape, partial(_hdf5_value, item, where))
+    try:
+        return _hdf5_value(item, where)
+    except (ParameterError, TypeError, ValueError, OSError) as error:
+        return Stored((), partial(_raise, error))
+
+
+def _raise(error: Exception) -> None:
+    raise error
+
+
+def _named_by_text(columns: Record) -> Record:
+    """Return columns with the names in a dataset of texts for the rows or columns of the matrix
+    beside it.
+    """
+    texts = {name: value.tolist() for name, value in columns.items()
+             if isinstance(value, np.ndarray) and value.ndim == 1 and value.dtype.kind == "U"}  # fmt: skip
+    matrices = [name for name, value in columns.items() if len(getattr(value, "shape", ())) == 2]
+    if len(matrices) != 1:
+        return columns
+    (matrix,) = matrices
+    values = np.asarray(columns[matrix])
+    fitting = [own for own, names in texts.items() if len(set(names)) == len(names) in values.shape]
+    if not fitting:
+        return columns
+    names = texts[fitting[0]]
+    rows = values if len(values) == len(names) else values.T
+    others = {name: value for name, value in columns.items() if name not in (*texts, matrix)}
+    return others | dict(zip(names, rows, strict=True))
 
 
 def _opened_hdf5(h5py: Any, file: IO[bytes], where: str) -> Any:
@@ -240,8 +306,17 @@ def _hdf5_value(item: Any, where: str) -> Any:
             return texts[0]
         return texts
     if values.dtype.kind == "O":
-        cells = values.ravel().tolist()
-        values = np.array([cell.decode() if isinstance(cell, bytes) else cell for cell in cells])
+        cells = [item.file[cell] if type(cell).__name__ == "Reference" else cell
+                 for cell in values.ravel().tolist()]  # fmt: skip
+        values = np.empty(len(cells), dtype=object)
+        for i, cell in enumerate(cells):
+            values[i] = _hdf5_value(cell, where) if hasattr(cell, "parent") else cell
+            if isinstance(cell, bytes):
+                values[i] = cell.decode()
+        if all(isinstance(cell, str) for cell in values):
+            values = values.astype(str)
+    if values.dtype.kind == "S":
+        values = np.char.decode(values, "utf-8", "replace")
     if octave:
         values = values.T
     return np.squeeze(values) if values.ndim > 1 else values
@@ -268,7 +343,7 @@ def _octave_range(base: float, limit: float, increment: float, count: int) -> np
     return np.maximum(values, limit)
 
 
-def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
+def read_octave(file: IO[bytes], where: str) -> Any:
     """Return the variables in a text of Octave's `save` by name.
 
     The fields of a struct count as variables.
@@ -292,7 +367,7 @@ def read_octave(file: IO[bytes], asked: Asked | None, where: str) -> Any:
                 cells.append(value)
             else:
                 variables[name] = value
-    return _content(variables)
+    return variables
 
 
 def _octave_value(kind: str, lines: Iterator[str]) -> Any:
@@ -340,24 +415,95 @@ OTHER_TYPES = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 15, 16, 17, 18)
 # Classes of matrices: a sparse one is the first that holds numbers.
 SPARSE_CLASS = 5
 NUMBER_CLASSES = range(SPARSE_CLASS, 16)
-DEEPEST_NESTING = 50
 
 
-def read_mat(file: IO[bytes], asked: Asked | None, where: str) -> Any:
+def read_mat(file: IO[bytes], where: str) -> Record:
     """Return the variables of a MATLAB file by name, also of version 7.3, which is HDF5."""
     # HDF5 begins with its sign, perhaps behind MATLAB's block of 512 bytes of text.
     sign = b"\x89HDF\r\n\x1a\n"
     beginning = file.read(512 + len(sign))
     file.seek(0)
     if beginning.startswith(sign) or beginning.endswith(sign):
-        return read_hdf5(file, asked, where)
+        return _of_matlab(flattened(read_hdf5(file, where)))
     data = whole(file, where)
     if has_wrong_tags(data):
         raise ValueError
     from scipy.io import loadmat
 
     variables = loadmat(io.BytesIO(data), squeeze_me=True, struct_as_record=True)
-    return _content({name: value for name, value in variables.items() if name[:2] != "__"})
+    variables = {name: value for name, value in variables.items() if name[:2] != "__"}
+    if {"Aclass", "name", "dataInfo"} <= variables.keys():
+        return _of_modelica(loadmat(io.BytesIO(data)))
+    plain = {name: value for name, value in variables.items() if not _is_object(value)}
+    if variables and not plain:
+        what = "holds objects of MATLAB, such as a table or a timeseries, which MATLAB alone reads"
+        raise ParameterError("file", where, f"{what}; save arrays: save run.mat t x v")
+    return _of_matlab(flattened(plain))
+
+
+def _is_object(value: Any) -> bool:
+    """Return whether a variable is an object of a class of MATLAB."""
+    return type(value).__name__ in ("MatlabOpaque", "MatlabFunction", "MatlabObject")
+
+
+def _of_matlab(columns: Record) -> Record:
+    """Return variables with the usual names of what MATLAB's and Simulink's results hold."""
+    renamed: Record = {}
+    for name, value in columns.items():
+        path, _, last = name.rpartition(".")
+        prefix = f"{path}." if path else ""
+        # sol = ode45(...) has times x and states y.
+        if last == "x" and {f"{prefix}solver", f"{prefix}y"} <= columns.keys():
+            renamed[f"{prefix}t"] = value
+            continue
+        # A structure with time has signals, which may have labels.
+        labels = _labels(columns, prefix)
+        signal = re.fullmatch(r"values\[(\d+)\]", last)
+        if signal and labels:
+            renamed[prefix + labels[int(signal[1]) - 1]] = value
+        else:
+            renamed[name] = value
+    return renamed
+
+
+def _labels(columns: Record, prefix: str) -> list[str]:
+    """Return the labels of the signals in a structure; [] if one has none, or two have the same."""
+    labels: list[str] = []
+    while f"{prefix}label[{len(labels) + 1}]" in columns:
+        label = columns[f"{prefix}label[{len(labels) + 1}]"]
+        labels.append(str(label) if np.size(label) else "")
+    if all(labels) and len(set(labels)) == len(labels):
+        return labels
+    return []
+
+
+def _of_modelica(variables: Record) -> Record:
+    """Return the variables of a result of Dymola or OpenModelica by name.
+
+    Constants have two values, and are as long as the others here.
+    """
+    is_transposed = str(variables["Aclass"][-1]).strip() == "binTrans"
+    letters = [str(row) for row in np.ravel(variables["name"])]
+    if is_transposed:
+        count = max(map(len, letters))
+        letters = ["".join(row.ljust(count)[i] for row in letters) for i in range(count)]
+    info = variables["dataInfo"] if is_transposed else variables["dataInfo"].T
+    matrices: dict[int, np.ndarray] = {}
+    for number in (1, 2):
+        matrix = variables[f"data_{number}"]
+        matrices[number] = matrix if is_transposed else matrix.T
+    times = matrices[2][0]
+    columns: Record = {}
+    numbers = np.asarray(info, dtype=int)
+    for name, matrix, column in zip(letters, *numbers[:2].tolist(), strict=True):
+        if matrix == 0:  # the time, which all matrices have
+            values = times
+        else:
+            values = matrices[matrix][abs(column) - 1]
+        if len(values) < len(times):
+            values = np.broadcast_to(values[0], times.shape)
+        columns[name.strip()] = -values if column < 0 else values
+    return columns
 
 
 def has_wrong_tags(data: bytes) -> bool:

@@ -15,20 +15,10 @@ from symosc.base.errors import ParameterError
 from symosc.base.files import STDOUT
 from symosc.crosschecks.reading.files import read_file
 from symosc.crosschecks.reading.functions import Problem
-from symosc.crosschecks.reading.names import (
-    EVENTS,
-    ID_COLUMN,
-    SOLVER_EVENTS,
-    STATE_NAMES,
-    USUAL_NAMES,
-    Asked,
-    NamedColumns,
-    find_columns,
-    plain,
-    read_column_names,
-)
-from symosc.crosschecks.reading.objects import is_velocity, named_columns, states_as_rows
+from symosc.crosschecks.reading.names import EVENTS, ID_COLUMN, Asked, read_column_names
+from symosc.crosschecks.reading.objects import table_in
 from symosc.crosschecks.reading.solver_events import solver_events
+from symosc.crosschecks.reading.tables import ColumnTable, array_of
 from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, checked, checked_events
 
 # Two pieces meet if their times agree but for so many units in the last place.
@@ -55,7 +45,7 @@ def read_solutions(
     if not _is_path(source):
         return solutions_in(source, asked, problem)
     where = "standard input" if source == STDOUT else str(source)
-    return solutions_in(read_file(source, where, asked), asked, problem, where)
+    return read_file(source, where, lambda content: solutions_in(content, asked, problem, where))
 
 
 def _is_path(source: Any) -> bool:
@@ -71,53 +61,16 @@ def solutions_in(
     solutions, or pieces of one if each begins where the one before ends.
     """
     where = where or type(source).__name__
-    if isinstance(source, (list, tuple)):
-        rows = _columns_of_rows(source, where)
-        if rows is None:
-            return _joined(_parts(source, asked, problem, where))
-        return _samples_of(rows, asked, problem, where)
-    named = named_columns(source, asked, problem, where)
-    if named is None:
+    table = table_in(source, asked, problem, where)
+    if table is None and isinstance(source, (list, tuple)):
+        return _joined(_parts(source, asked, problem, where))
+    if table is None:
         what = "is no solution: give a file, a table, an array or a function"
         raise ParameterError("solution", source, what)
-    return _samples_of(named, asked, problem, where)
+    return samples_of(table, table.chosen(asked, where), problem, where)
 
 
 # -- lists -----------------------------------------------------------------------------------------
-
-
-def _columns_of_rows(source: Sequence[Any], where: str) -> NamedColumns | None:
-    """Return the columns of a list of rows, which are mappings or t, x, v; None if they are
-    none.
-    """
-    if not source:
-        raise ParameterError("solution", source, "is empty")
-    if all(isinstance(row, Mapping) and _has_numbers(row) for row in source):
-        names = dict.fromkeys(name for row in source for name in row)
-        return NamedColumns({str(name): [row.get(name) for row in source] for name in names})
-    if not all(map(_is_row, source)):
-        return None
-    lengths = {len(row) for row in source}
-    if len(lengths) > 1:
-        what = "has rows of several lengths; each must be t, x, v"
-        raise ParameterError(where, sorted(lengths), what)
-    columns = [list(column) for column in zip(*source, strict=True)]
-    if len(columns) not in (2, 3):
-        what = "must have columns t, x, v, so the shape (n, 3); this is its shape"
-        raise ParameterError(where, (len(source), len(columns)), what)
-    return NamedColumns(dict(zip(SAMPLE_COLUMNS, columns, strict=False)), are_matched=True)
-
-
-def _is_row(row: Any) -> bool:
-    """Return whether an object is a sequence of numbers, perhaps written as text."""
-    if not isinstance(row, (list, tuple, np.ndarray)) or not len(row):
-        return False
-    return all(isinstance(value, (int, float, str, np.number)) for value in row)
-
-
-def _has_numbers(row: Mapping[Any, Any]) -> bool:
-    """Return whether a mapping has a number for each name, as a row has, and no column."""
-    return all(np.ndim(row[name]) == 0 for name in row if name != EVENTS)
 
 
 def _parts(source: Sequence[Any], asked: Asked, problem: Problem, where: str) -> list[Samples]:
@@ -167,23 +120,16 @@ def _joined(pieces: list[Samples]) -> list[Samples]:
 # -- columns become samples ------------------------------------------------------------------------
 
 
-def _samples_of(named: NamedColumns, asked: Asked, problem: Problem, where: str) -> list[Samples]:
-    """Return the solutions in named columns: a single one, or one for each id or for each row of
-    matrices.
+def samples_of(table: ColumnTable, values: Record, problem: Problem, where: str) -> list[Samples]:
+    """Return the solutions in the chosen columns of a table: a single one, or one for each id or for
+    each row of matrices.
     """
-    if named.are_matched:
-        asked = {}
-        columns = named.columns
-    else:
-        columns = _with_states_split(named.columns, asked)
-    names = find_columns([name for name in columns if name not in SOLVER_EVENTS], asked, where)
-    values = {name: columns[own] for name, own in names.items()}
     ids = values.pop(ID_COLUMN, None)
-    events = columns.get(EVENTS)
-    if np.ndim(_array(values["x"])) > 1:
-        solutions = _of_matrices(values, named.are_padded, where)
+    events = table.beside.get(EVENTS)
+    if np.ndim(array_of(values["x"])) > 1:
+        solutions = _of_matrices(values, table.are_padded, where)
     elif ids is None:
-        solutions = [_solution(values, named.are_padded)]
+        solutions = [_solution(values, table.are_padded)]
     else:
         solutions = _of_ids(values, np.ravel(np.asarray(ids)).astype(str))
     if len(solutions) > 1:
@@ -191,17 +137,17 @@ def _samples_of(named: NamedColumns, asked: Asked, problem: Problem, where: str)
             what = f"can be listed for one solution; {where} has several"
             raise ParameterError("events", "given", what)
         return solutions
-    samples = replace(solutions[0], dense=named.dense, notes=named.notes)
+    samples = replace(solutions[0], dense=table.dense, notes=table.notes)
     if events is not None:
         return [replace(samples, events=checked_events(events))]
-    listed = solver_events(columns, problem, samples)
-    notes = (*named.notes, *listed.notes)
+    listed = solver_events(table.beside, problem, samples)
+    notes = (*table.notes, *listed.notes)
     return [replace(samples, events=listed.events, lists=listed.lists, notes=notes)]
 
 
 def _solution(values: Record, are_padded: bool = False) -> Samples:
     """Return the samples in the columns t, x and perhaps v of one solution."""
-    times = _array(values["t"])
+    times = array_of(values["t"])
     if times.ndim == 2 and 1 in times.shape:  # a column of MATLAB
         times = times.ravel()
         values = values | {"t": times}
@@ -210,54 +156,6 @@ def _solution(values: Record, are_padded: bool = False) -> Samples:
         end = int(np.argmax(np.isinf(times)))
         values = {name: column[:end] for name, column in values.items()}
     return checked(**values)
-
-
-def _array(values: Any) -> np.ndarray:
-    """Return a column as a numpy array.
-
-    An empty one if its entries have different lengths, which is refused later.
-    """
-    try:
-        return np.asarray(values)
-    except ValueError:  # ragged; the check of the samples says where
-        return np.empty(0)
-
-
-def _with_states_split(table: Record, asked: Asked) -> Record:
-    """Return a table with columns x and v in place of a matrix of states, as solvers return it."""
-    names = [name for name in table if name not in SOLVER_EVENTS]
-
-    def named(key: str) -> list[str]:
-        """Return the names that may be those of t, x or v."""
-        usual = USUAL_NAMES[key]
-        return [name for name in names if name == asked.get(key) or plain(name) in usual]
-
-    names_of_t = named("t")
-    if not names_of_t:
-        return table
-    times = _array(table[names_of_t[0]]).ravel()
-    is_named_x = bool(named("x")) or "x" in asked
-    if not is_named_x:
-        candidates = [name for name in names if name.lower() in STATE_NAMES]
-    elif named("v"):
-        candidates = []
-    else:  # a matrix that is called x may hold v too
-        candidates = named("x")
-    for name in candidates:
-        states = _array(table[name])
-        rows = states_as_rows(times, states, prefer_columns=True)
-        if rows is None:
-            continue
-        # Rows of x without v may be several solutions: positions alone.
-        are_rows = len(states) == 2 and states.shape != (2, 2)
-        if is_named_x and are_rows and not is_velocity(times, *rows):
-            continue
-        others = {column: values for column, values in table.items() if column != name}
-        x, v = rows
-        if asked.get("v", "") is None:
-            return others | {"x": x}
-        return others | {"x": x, "v": v}
-    return table
 
 
 def _of_matrices(values: Record, are_padded: bool, where: str) -> list[Samples]:
