@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 
 from symosc.base.aliases import NumberLike
 from symosc.base.arguments import NUMBER, public, require, require_or_none
+from symosc.base.display.drawable import Drawable
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import as_source, power_of_ten, show, whole_number
 from symosc.base.quantities import (
@@ -44,8 +45,10 @@ from symosc.belts import (
 from symosc.friction import TWO_BELTS, BeltNumbers, FrictionLaw
 
 
-class Model:
+class Model(Drawable):
     """An oscillator with any friction law: what `Parameters` and `Oscillator` share."""
+
+    _drawn_by = "friction_figure"
 
     m: Fraction
     c: Fraction

@@ -9,6 +9,7 @@ from .judged import crosscheck_figure as crosscheck_figure
 from .judged import fit_figure as fit_figure
 from .judged import score_figure as score_figure
 from .judged import step_figure as step_figure
+from .laws import friction_figure as friction_figure
 from .sweeps import atlas_figure as atlas_figure
 from .sweeps import basin_figure as basin_figure
 from .sweeps import bifurcation_figure as bifurcation_figure

@@ -233,6 +233,7 @@ VALID: dict[str, set[str]] = {
     **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
     "certify what": BOTH | {"Atlas"},
     **_each("first, second", PAIRS),
+    "plot.friction_figure v": PAIRS,
     "end": PAIRS | {"ragged"},
     "guess": PAIRS | {"frame"},
     "start": PAIRS | {"array_odd", "ragged"},
@@ -451,6 +452,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
             s.Belt.from_function,
             {"v": 1, "mu": lambda w: 1, "until": 2, "pieces": 3, "mu_s": 2},
         ),
+        "plot.friction_figure": (plot.friction_figure, {"p": P9, "v": (0, 6)}),
     }
 
 
