@@ -82,6 +82,20 @@ def test_proven_words_are_those_of_the_settled_motions(small: Atlas) -> None:
 
 
 @pytest.mark.slow
+def test_borders_that_the_grid_meets() -> None:
+    """A part of the plane below, at a third of the work."""
+    plane = atlas(AT_REST, {"Omega": ("0.3", "0.45"), "FN": ("0.05", "0.2")}, workers=1)
+    assert sorted(
+        ("|".join(sorted(each.words, key=str)), each.sliding) for each in plane.borders
+    ) == [
+        ("P231321|P3121", "switching-sliding"),
+        ("P231321|P32", "grazing-sliding"),
+        ("P3121|P32", "crossing-sliding"),
+    ]
+    assert plane.special == ()
+
+
+@pytest.mark.campaign
 def test_borders_that_the_grid_misses_are_found() -> None:
     plane = atlas(AT_REST, {"Omega": ("0.3", "0.6"), "FN": ("0.05", "0.3")}, workers=1)
     assert sorted(
@@ -152,13 +166,13 @@ def test_a_proven_plane_against_2000_motions() -> None:
     [
         pytest.param(  # no symmetry
             {"v1": "0.2", "mu2": "0.3", "v2": 1},
-            {"Omega": ("0.99", "1.01"), "FN": ("0.29", "0.3")},
+            {"Omega": ("0.998", "1.0"), "FN": ("0.298", "0.3")},
             marks=pytest.mark.slow,
         ),
         ({"c": 3}, {"Omega": ("0.98", "1.02"), "B0": ("2", "2.05")}),  # overdamped
         pytest.param(  # both belts
             {"v1": -1, "v2": 1, "mu2": 1, "FN": "0.2"},
-            {"Omega": ("0.98", "1.0"), "m": ("1.05", "1.07")},
+            {"Omega": ("0.98", "0.99"), "m": ("1.06", "1.07")},
             marks=pytest.mark.slow,
         ),
     ],

@@ -39,7 +39,7 @@ LEFT_OUT = ("paper-fig10", "fig8s-sticks-10-", "border-", "free-decay-3", "long-
 CASES = [case for case in reference_cases() if not case.name.startswith(LEFT_OUT)]
 
 
-@pytest.mark.full(4)
+@pytest.mark.full(2)
 @pytest.mark.parametrize("name", SCENES)
 def test_scenes_are_confirmed(name: str) -> None:
     assert second_opinion(certify(name).as_dict()) == "proven"

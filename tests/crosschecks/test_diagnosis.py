@@ -14,6 +14,7 @@ from fault_kinds import KINDS, finer
 from fault_matrix import SEED, drawn, judge, run, table, whole
 from fault_scenes import cases
 from faulty_solver import METHODS, Flaw, Solver, softened, solved, without_events
+from samples import sample_of
 
 from symosc import load_scene, simulate
 from symosc.crosschecks import steps
@@ -131,9 +132,10 @@ def test_a_clock_that_jumps_is_no_friction() -> None:
 
 
 @pytest.mark.slow
-def test_a_belt_ignored_in_flight_is_a_missed_event() -> None:
+@sample_of(4, 9)
+def test_a_belt_ignored_in_flight_is_a_missed_event(count: int) -> None:
     possible = (judge("belt ignored", case, "dense", SEED) for case in cases())
-    for judged in islice(filter(None, possible), 9):
+    for judged in islice(filter(None, possible), count):
         (diagnosis,) = judged[2].diagnosis
         # A belt whose speed the motion does not reach is the same.
         assert diagnosis.cause == "late events" or "all 400 steps are right" in diagnosis.evidence
@@ -182,6 +184,7 @@ def test_smoothed_friction_and_a_sample_that_is_off_are_not_smoothed_friction_al
     assert diagnosis.cause == "unknown"
 
 
+@pytest.mark.full(1)
 @pytest.mark.parametrize("name", ["fig5", "fig9"])
 def test_weights_beyond_one_are_no_large_steps(name: str) -> None:
     """On coarse, even samples any linear method errs by one linear map; smaller steps do not help
@@ -513,6 +516,7 @@ MEASURED: dict[str, tuple[Any, str, str | None, float | None, float]] = {
 
 
 @pytest.mark.quick(1)
+@pytest.mark.full(4)
 @pytest.mark.parametrize("what", MEASURED)
 def test_the_number_of_a_fault_is_measured(what: str) -> None:
     make, cause, subject, value, part = MEASURED[what]

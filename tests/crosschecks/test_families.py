@@ -228,7 +228,7 @@ def right_solutions(seed: int) -> Iterator[tuple[str, Problem, Given]]:
 
 
 @pytest.mark.slow
-@sample_of(48, 2_000)
+@sample_of(24, 2_000)
 def test_right_solutions_are_never_blamed(count: int) -> None:
     blamed = []
     for name, problem, given in islice(right_solutions(7), count):
@@ -402,7 +402,7 @@ def _given(way: str, states: np.ndarray) -> Given:
 
 
 @pytest.mark.slow
-@sample_of(48, 2_000)
+@sample_of(24, 2_000)
 def test_wrong_solutions_are_never_right(count: int) -> None:
     """A solution is wrong if it is further from the right one than the documented limit for the
     whole solution.

@@ -143,7 +143,7 @@ WAYS: list[Callable[..., Given]] = [
 
 
 @pytest.mark.slow
-@sample_of(20, 200)
+@sample_of(10, 200)
 def test_right_solutions_are_never_blamed(count: int) -> None:
     blamed = []
     for number, (p, start, t_end, right, rng) in enumerate(islice(problems(3), count)):
@@ -251,7 +251,7 @@ def wrong_solutions(seed: int) -> Iterator[tuple[str, Scene, np.ndarray, float]]
 
 
 @pytest.mark.slow
-@sample_of(20, 200)
+@sample_of(10, 200)
 def test_wrong_solutions_are_never_right(count: int) -> None:
     passed = []
     for kind, scene, samples, off in islice(

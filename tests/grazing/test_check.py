@@ -171,6 +171,7 @@ def _wrong_places() -> list[tuple[str, str, Place]]:
     return rows
 
 
+@pytest.mark.full(8)
 @pytest.mark.parametrize(
     ("mapping", "what", "row"), _wrong_places(), ids=lambda each: str(each).replace(" ", "")
 )

@@ -94,6 +94,7 @@ assert sweep("fig9", {"FN": [1, 2]}, record="speed", t_end=3, path="map.csv").id
 """
 
 
+@pytest.mark.campaign  # the field above goes the same way
 def test_a_column_of_sweeps_is_added_as_contributing_says(copy: Path) -> None:
     pytest.importorskip("xarray")
     simulation = copy / "symosc" / "simulation"

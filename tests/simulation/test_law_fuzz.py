@@ -26,6 +26,7 @@ def test_random_laws(family: str, count: int) -> None:
         assert not verdict.faults, law_fuzz.report(verdict, SEED)
 
 
+@pytest.mark.full(8)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_oracle_with_other_digits_is_found_right(family: str) -> None:
     verdict = law_fuzz.verdict_of(scene_of(family, SEED, 1, 3), ["oracle"])

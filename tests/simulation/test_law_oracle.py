@@ -151,6 +151,7 @@ def test_close_to_a_tie_is_undecided() -> None:
 PAPER_SCENES = range(40)
 
 
+@pytest.mark.full(20)
 @pytest.mark.parametrize(
     "number", [pytest.param(n, marks=() if n < 10 else pytest.mark.slow) for n in PAPER_SCENES]
 )
@@ -321,6 +322,7 @@ SCIPY_SCENES = [("plain", n) for n in range(6)] + [
 ] + [("curved", n) for n in range(4)]  # fmt: skip
 
 
+@pytest.mark.full(9)
 @pytest.mark.parametrize(("family", "number"), SCIPY_SCENES)
 def test_scipy(family: str, number: int) -> None:
     scene = scene_of(family, 7, number, 3)

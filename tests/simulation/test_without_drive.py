@@ -88,7 +88,7 @@ def answers(count: int, seed: int) -> None:
 
 
 def test_random_motions_do_not_depend_on_omega() -> None:
-    answers(40, 1)
+    answers(20, 1)
 
 
 @pytest.mark.campaign

@@ -19,15 +19,26 @@ def built(source: Path, *flags: str) -> Path | None:
         return None
     mark = hashlib.sha256(source.read_bytes()).hexdigest()[:16]
     path = Path(tempfile.gettempdir()) / f"symosc-{source.stem}-{mark}"
-    if not path.exists():
-        with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-            draft = Path(folder) / "program"
-            if (
-                subprocess.run(
-                    [compiler, "-O2", "-o", draft, source, *flags], capture_output=True
-                ).returncode
-                != 0
-            ):
-                return None
-            os.replace(draft, path)  # whole, also for other processes that compile it
+    if path.exists():
+        return path
+    import fcntl
+
+    # Workers ask at the same time: one of them compiles, which takes some seconds.
+    with open(f"{path}.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        try:
+            return path if path.exists() else _compiled(compiler, source, flags, path)
+        finally:
+            fcntl.flock(lock, fcntl.LOCK_UN)
+
+
+def _compiled(compiler: str, source: Path, flags: tuple[str, ...], path: Path) -> Path | None:
+    """Compile a program, and return its path, or None if the compiler refuses it."""
+    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        draft = Path(folder) / "program"
+        command = [compiler, "-O2", "-o", str(draft), str(source), *flags]
+        done = subprocess.run(command, capture_output=True, check=False)
+        if done.returncode != 0:
+            return None
+        os.replace(draft, path)  # whole, whoever looks meanwhile
     return path
