@@ -24,6 +24,9 @@ from once import SHARED
 LONGEST_WAIT = 600
 #: Events that no session follows.
 NEVER_SPENT = 10**12
+#: The environment variable that says: this module was run as a program, which makes the files of
+#: this name, with "-doubles" and "-pairs" behind it, when the loops are there.
+BEGUN = "SYMOSC_COMPILED"
 _wait_until: list[float] = []
 
 
@@ -52,12 +55,14 @@ def is_there(loops: str) -> bool:
 
 def ended() -> Path:
     """Return the path of a file that is there when the other process has come to its end, whatever it was."""
+    if begun := os.environ.get(BEGUN):
+        return Path(f"{begun}-pairs")
     return Path(os.environ[SHARED]) / "compiling-has-ended"
 
 
 def begin(loops: str) -> subprocess.Popen[bytes] | None:
     """Compile what is not on disk, in a process of its own."""
-    if is_there(loops):
+    if is_there(loops) or os.environ.get(BEGUN):
         return None
     code = f"import pathlib, sys\ntry: exec({LOOPS[loops]!r})\nfinally: pathlib.Path(sys.argv[1]).touch()"
     nowhere = subprocess.DEVNULL
@@ -98,3 +103,12 @@ def load() -> None:
     """Load the loop for doubles: single motions and checks of solutions use it from then on."""
     if find_spec("numba") is not None:
         exec(LOOPS["doubles"])
+
+
+if __name__ == "__main__":
+    try:
+        exec(LOOPS["doubles"])
+        Path(f"{os.environ[BEGUN]}-doubles").touch()
+        exec(LOOPS["pairs"])
+    finally:
+        Path(f"{os.environ[BEGUN]}-pairs").touch()
