@@ -116,6 +116,7 @@ REST = """    yield ReferenceCase(
 """
 
 
+@pytest.mark.campaign  # it runs the tests of all cases in a copy, which takes 12 s
 def test_a_reference_case(scratch: Scratch) -> None:
     pytest.importorskip("flint")
     cases = "symosc/reference/cases.py"
