@@ -59,6 +59,7 @@ def carry_out(plan: Plan, folder: Path, as_json: bool = False, workers: int | No
     from symosc.paper.run import run
 
     check_new_folder(folder)
+    output.note(f"reproduce {plan.about}")
     parts = count(1)
     with bar("reproducing", len(plan), "parts") as report_part:
         results = run(plan, lambda: report_part(next(parts), len(plan)), workers)

@@ -13,6 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from functools import partial
+from math import ceil
 from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -34,6 +35,12 @@ Tasks = dict[tuple[str, str], Callable[[], Any]]
 ERROR = "error"
 #: Seconds after which a task counts as hanging; the longest takes one minute on a usual machine.
 TASK_LIMIT = 3600.0
+#: Seconds of processor time that the parts of the whole report take on average (AMD EPYC, November
+#: 2026; `report.json` has those of each part), and seconds until two processes have begun.
+SECONDS_PER_CLAIM = 0.3
+SECONDS_PER_PICTURE = 1.4
+SECONDS_PER_CHAPTER = 3.1
+SECONDS_TO_BEGIN = 4.0
 #: How many pools of processes are tried. One in which a process dies while it takes its task may
 #: break down whole.
 POOLS = 3
@@ -74,6 +81,28 @@ class Plan:
 
     def __len__(self) -> int:
         return len(self.claims) + len(self.pictures) + len(self.chapters)
+
+    @property
+    def about(self) -> str:
+        """What a run does, and about how long that takes on two cores, as a sentence."""
+        work = [
+            f"{verb} {count} {one if count == 1 else many}"
+            for verb, count, one, many in (
+                ("judges", len(self.claims), "claim", "claims"),
+                ("draws", len(self.pictures), "figure", "figures"),
+                ("checks", len(self.chapters), "chapter", "chapters of derivations"),
+            )
+            if count
+        ]
+        seconds = SECONDS_TO_BEGIN + SECONDS_PER_CLAIM * len(self.claims) / 2
+        seconds += SECONDS_PER_PICTURE * len(self.pictures) / 2
+        seconds += SECONDS_PER_CHAPTER * len(self.chapters) / 2
+        if seconds < 50:
+            time = f"{5 * ceil(seconds / 5)} seconds"
+        else:
+            minutes = round(seconds / 60)
+            time = "a minute" if minutes == 1 else f"{minutes} minutes"
+        return f"{', '.join(work)}; takes about {time} on two cores"
 
     def only(self, prefix: str) -> Plan:
         """Return the plan for the claims whose ids begin with `prefix`, and their pictures; without

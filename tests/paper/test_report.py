@@ -101,6 +101,23 @@ def test_json_for_machines(read: Any, tmp_path: Path, capsys: pytest.CaptureFixt
     assert not re.search(r"<script|src=\"(?!data:)|href=\"(?!#|data:)", html)
 
 
+def test_a_run_says_at_once_what_it_does_and_how_long(
+    read: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    claims = read(CLAIM.format(id="one", check="right"))
+    assert Plan(claims, {}).about == "judges 1 claim; takes about 5 seconds on two cores"
+    keys = [str(number) for number in range(20)]
+    plan = Plan(claims * 101, dict.fromkeys(keys), tuple(keys[:18]))  # type: ignore[arg-type]
+    assert plan.about == (
+        "judges 101 claims, draws 20 figures, checks 18 chapters of derivations; "
+        "takes about a minute on two cores"
+    )
+    several = Plan(claims, {}, tuple(keys) * 4)
+    assert several.about.endswith("; takes about 2 minutes on two cores")
+    assert reproduce.carry_out(Plan(claims, {}), tmp_path, workers=0) == 0
+    assert capsys.readouterr().err == f"symosc: reproduce {Plan(claims, {}).about}\n"
+
+
 @pytest.mark.parametrize("there", [False, True])
 def test_an_interrupt_leaves_the_folder_as_it_was(read: Any, tmp_path: Path, there: bool) -> None:
     folder = tmp_path / "deep" / "out"
