@@ -11,8 +11,8 @@ from __future__ import annotations
 import os
 import pickle
 import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
@@ -26,6 +26,7 @@ from numba.core.caching import (
     InTreeCacheLocator,
 )
 
+from symosc.base.display.progress import Report, bar
 from symosc.base.errors import CodeCacheWarning
 
 DIGEST_SIZE = sha256().digest_size
@@ -145,11 +146,76 @@ class _CheckedCache(FunctionCache):
             _warn(NOT_KEPT, f"{getattr(error, 'strerror', None) or error} (in {self.cache_path})")
 
 
+class _CompilingBar:
+    """The bar that is shown while functions are compiled, which happens once: later programs load
+    them from disk.
+
+    A function compiles those that it calls, so the bar is for the outermost one, and counts all
+    that it compiles. How many these are is not known before; all of its family, which are not
+    compiled yet, are at most so many.
+    """
+
+    def __init__(self) -> None:
+        self._families: dict[str, list[Any]] = {}
+        self._depth = 0
+        self._done = 0
+        self._total = 0
+        self._report: Report | None = None
+        self._closing = ExitStack()
+
+    def watch(self, dispatcher: Any) -> None:
+        """Report each compilation of a function to the bar."""
+        # Behind the dash of its name is the version that all functions of a family share.
+        family = self._families.setdefault(dispatcher.py_func.__qualname__.rpartition("-")[2], [])
+        family.append(dispatcher)
+        compiler = dispatcher._compiler
+        compile_function: Callable[..., Any] = compiler.compile
+
+        def compile_and_report(*arguments: Any) -> Any:
+            with self._compiling(family):
+                return compile_function(*arguments)
+
+        compiler.compile = compile_and_report
+
+    @contextmanager
+    def _compiling(self, family: list[Any]) -> Iterator[None]:
+        """Open the bar around the outermost function, and count each one."""
+        if self._depth == 0:
+            self._done = 0
+            self._total = sum(not _is_there(dispatcher) for dispatcher in family)
+            label = "compiling, once for all programs"
+            self._report = self._closing.enter_context(bar(label, self._total, "functions"))
+        self._depth += 1
+        try:
+            yield
+            self._done += 1
+            self._total = max(self._total, self._done)
+        finally:
+            self._depth -= 1
+            if self._report and self._depth:
+                self._report(self._done, self._total)
+            elif self._report:
+                self._report(self._total, self._total)
+                self._report = None
+                self._closing.close()
+
+
+def _is_there(dispatcher: Any) -> bool:
+    """Return whether the code of a function is in memory or on disk."""
+    return bool(dispatcher.overloads) or getattr(dispatcher._cache, "has_code", bool)()
+
+
+_bar = _CompilingBar()
+
+
 def keep_on_disk(dispatcher: Any) -> Any:
-    """Enable the disk cache of a compiled function where possible; return the function."""
+    """Enable the disk cache of a compiled function where possible, and show a bar while it is
+    compiled; return the function.
+    """
     try:
         dispatcher._cache = _CheckedCache(dispatcher.py_func)
     except RuntimeError as error:
         # The source is in no folder, or the environment names strange ones.
         _warn(NOT_KEPT, str(error))
+    _bar.watch(dispatcher)
     return dispatcher

@@ -5,6 +5,7 @@ They say where they are written, and the compiled ones notice every change.
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import math
 import os
@@ -88,6 +89,41 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[
 
     yield made
     sys.modules.pop("tiny", None)
+
+
+def test_a_bar_says_that_functions_are_compiled_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import numba
+
+    from symosc.kernels import code_cache
+
+    source = """
+def least(x): return x - 1
+def inner(x): return 2 * least(x)
+def outer(x): return inner(x) + least(x)
+def unused(x): return x
+"""
+    (tmp_path / "several.py").write_text(source)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    reports: list[Any] = []
+
+    @contextlib.contextmanager
+    def bar(label: str, total: float, unit: str) -> Iterator[Any]:
+        reports.append((label, total, unit))
+        yield lambda done, total: reports.append((done, total))
+        reports.append("closed")
+
+    monkeypatch.setattr(code_cache, "bar", bar)
+    module = importlib.import_module("several")
+    assert compile_modules((module,))["outer"](3) == 6
+    title = ("compiling, once for all programs", 4, "functions")
+    assert reports == [title, (1, 4), (2, 4), (4, 4), "closed"]
+    reports.clear()
+    assert compile_modules((module,))["outer"](3) == 6  # as a later program does: from the disk
+    assert reports == []
+    sys.modules.pop("several", None)
 
 
 DAMAGES: dict[str, Callable[[bytes], bytes]] = {
