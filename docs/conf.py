@@ -50,6 +50,7 @@ extensions = [
     "console",
     "gallery",
     "mathml",
+    "wide",
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
 source_suffix = {".md": "myst-nb", ".rst": "restructuredtext"}
