@@ -33,6 +33,8 @@ FOLDER = Path(__file__).parent
 CELLS = (180, 120)
 FINE = 120
 RATIOS = (0.42, 0.6, 0.7, 0.8, 0.9, 1.1, 1.25, 1.5, 1.75)
+#: The ground of names that stand on a map.
+LABEL_GROUND: dict[str, Any] = {"facecolor": "1", "edgecolor": "none", "pad": 0.8, "alpha": 0.85}
 #: The border of the symmetric motion is computed from this friction, on which it does not depend.
 WEAK = 0
 
@@ -92,7 +94,7 @@ def maps() -> Figure:
         xscale="log",
         xlabel=r"$r = \Omega/\omega_0$",
         ylabel="$F/P$",
-        title="Stops per cycle, $c = 0$",
+        title="Stops per cycle, $c = 0$\n(white: not settled in 100 periods)",
     )
     fig.colorbar(shown, ax=counts, ticks=range(0, 17, 2))
     inverse = np.linspace(0.5, 7, CELLS[0])
@@ -114,11 +116,13 @@ def maps() -> Figure:
     for n in (1, 2, 3):
         for name, x, y in ((f"$A_{n}$", 2 * n, 1 / (4 * n * n - 1)), (f"$B_{n}$", 2 * n + 1, 0)):
             borders.plot(x, y, "o", color="0", mfc="1", ms=5, clip_on=False)
-            borders.annotate(name, (x, y), xytext=(3, 5), textcoords="offset points")
+            # Above the curves: at B_n they form a V, and there is room in its middle.
+            style = {"ha": "center", "va": "bottom", "zorder": 5, "bbox": LABEL_GROUND}
+            borders.annotate(name, (x, y), (0, 9), textcoords="offset points", **style)
     borders.set(
         xlabel=r"$1/\Omega$",
         ylabel="$F$",
-        title="Borders of motions without stops",
+        title="Borders of motions without stops\n(greys: stops per cycle, as on the left)",
         xlim=(0.5, 7.2),
         ylim=(0, 0.6),
     )
@@ -134,7 +138,8 @@ def maps() -> Figure:
             mfc="1",
         )
         r = inversion(F, transmissibility)
-        gains.plot(r, 1 / (r * r - 1), "x", color="0", ms=9, mew=2)
+        name = "inversion" if F == "1" else None
+        gains.plot(r, 1 / (r * r - 1), "x", color="0", ms=9, mew=2, label=name)
     free = np.linspace(1.15, 2, 100)
     gains.plot(free, 1 / (free**2 - 1), color="0.6", lw=2, zorder=0, label="no friction")
     gains.set(

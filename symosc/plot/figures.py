@@ -293,7 +293,7 @@ def assemble(
     rows = -(-len(panels) // columns)  # rounded up
     heights = [3.0 if square else 2.0] * rows
     if tall is not None:
-        heights[tall // columns] *= 1.45
+        heights[tall // columns] *= 1 + INSET_ROOM  # the panel itself is as high as the others
     layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
     drawing = common.Drawing(figsize=(width, sum(heights) + 0.35), layout=layout)
     grid = drawing.add_gridspec(len(heights), columns, height_ratios=heights)

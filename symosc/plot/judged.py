@@ -17,7 +17,6 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from symosc.analysis.fitting.fit import Fit
 from symosc.base.aliases import Record
@@ -517,46 +516,28 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
 
 # -- scores ----------------------------------------------------------------------------------------
 
-SOLVER_COLOURS = (
-    "#2166ac",
-    "#b2182b",
-    "#1b7837",
-    "#e08214",
-    "#762a83",
-    "#8c510a",
-    "#4d4d4d",
-    "#01665e",
-)
-SOLVER_MARKS = "os^DvPX*"
-#: Errors below are drawn at the first, above at the second; where faults and missing results are.
+#: Errors below the second are drawn there, above the third at the third; where right cases without
+#: an event are, faults, and missing results.
+NOTHING = 1e-6
 LEAST_UNITS = 1e-3
 MOST_UNITS = 1e10
-FAULTY = 1e12
-ABSENT = 1e14
-#: How much of a case's column the marks of all solvers fill; columns are 1 apart.
-COLUMN_WIDTH = 0.8
+FAULTY = 1e13
+ABSENT = 1e17
+#: How wide a group is at least, in columns of cases: there is room for its name.
+LEAST_GROUP = 5
+#: Inches: the width of the figure, the height of a solver's panel, and that of the names below.
+SCORES_WIDTH = 7.0
+SOLVER_HEIGHT = 0.85
+NAMES_HEIGHT = 1.2
 
 
 @public
-def _solver_look(i: int) -> Record:
-    """Return the colour and mark of the i-th solver, as keywords of matplotlib."""
-    # Once the colours are used up the marks move on by one: no pair of the two comes twice.
-    mark = SOLVER_MARKS[(i + i // len(SOLVER_COLOURS)) % len(SOLVER_MARKS)]
-    return {
-        "color": SOLVER_COLOURS[i % len(SOLVER_COLOURS)],
-        "marker": mark,
-        "linestyle": "none",
-        "markersize": 3.2,
-        "markeredgewidth": 0,
-    }
-
-
 def score_figure(scores: Sequence[Score]) -> Figure:
     """Draw the scores of solvers on reference cases.
 
-    There is a column per case, in groups. Below is the largest error; its unit is the change of the
-    events when the numbers of the case are rounded to doubles. Above are the cases with wrong
-    events or too large an error, and those without results.
+    There is a panel per solver and a column per case, in groups. Below is the largest error; its
+    unit is the change of the events when the numbers of the case are rounded to doubles. Above are
+    the cases with wrong events or too large an error, and those without results.
 
     Parameters
     ----------
@@ -576,65 +557,78 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     require(sequence_of(Score), scores=scores)
     if not len(scores):
         raise ParameterError("scores", scores, "must be one or more")
-    looks = [_solver_look(i) for i in range(len(scores))]
-    with axes_for(None, (10.0, 4.2)) as (drawing, (ax,)):
-        for i, score in enumerate(scores):
-            # Solvers stand side by side in the column of a case.
-            shift = COLUMN_WIDTH * ((i + 0.5) / len(scores) - 0.5)
-            heights = map(_height, score.cases)
-            drawn = [(k + shift, height) for k, height in enumerate(heights) if height is not None]
-            if drawn:
-                ax.plot(*zip(*drawn, strict=True), **looks[i])
-        _label_groups(ax, scores[0].cases)
-        powers = (-3, 0, 3, 6, 9)
-        labels = [*(f"$10^{{{n}}}$" for n in powers), "wrong", "no result"]
-        ax.set(
-            yscale="log",
-            ylim=(LEAST_UNITS / 2, 1e15),
-            ylabel="largest error, in units of condition · 10$^{-16}$",
-        )
-        ax.set_yticks([*(10.0**n for n in powers), FAULTY, ABSENT], labels)
-        ax.minorticks_off()
-        ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
-        ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
-        names = [
-            Line2D([], [], label=shown_name(score.name), **look)
-            for score, look in zip(scores, looks, strict=True)
-        ]
-        drawing.legend(
-            handles=names, loc="outside upper right", ncols=min(4, len(names)), frameon=False
-        )
+    columns, groups, width = _columns_of(scores[0].cases)
+    size = (SCORES_WIDTH, SOLVER_HEIGHT * len(scores) + NAMES_HEIGHT)
+    with axes_for(None, size, len(scores), columns=1) as (drawing, panels):
+        for ax, score in zip(panels, scores, strict=True):
+            _score_panel(ax, score, columns)
+            for number, (begin, end) in enumerate(groups.values()):
+                if number % 2:
+                    ax.axvspan(begin, end, color="0.94", linewidth=0, zorder=-1)
+            ax.set_xlim(0, width)
+            ax.tick_params(axis="x", length=0)
+        middles = [(begin + end) / 2 for begin, end in groups.values()]
+        # The panels share their axis, and only the lowest shows the names.
+        panels[-1].set_xticks(middles, list(groups), rotation=90)
+        drawing.supylabel("largest error, in units of condition · 10$^{-16}$", fontsize=9)
+        drawing.get_layout_engine().set(hspace=0.02, h_pad=0.02)  # type: ignore[union-attr]
     return drawing
 
 
-def _height(case: CaseScore) -> float | None:
-    """Return the ordinate of a case in a figure of scores; None if it has no event whose error
-    could be measured.
+def _columns_of(
+    cases: Sequence[CaseScore],
+) -> tuple[dict[str, float], dict[str, tuple[float, float]], float]:
+    """Return the abscissas of cases by name, begin and end of their groups by name, and the end of
+    the last.
     """
+    from symosc.reference.score import by_group
+
+    columns: dict[str, float] = {}
+    groups: dict[str, tuple[float, float]] = {}
+    begin = 0.0
+    for group, members in by_group(cases):
+        end = begin + max(len(members), LEAST_GROUP)
+        step = (end - begin) / len(members)
+        for number, case in enumerate(members):
+            columns[case.name] = begin + (number + 0.5) * step
+        groups[group] = (begin, end)
+        begin = end
+    return columns, groups, begin
+
+
+def _score_panel(ax: Axes, score: Score, columns: dict[str, float]) -> None:
+    """Draw the errors of one solver, a dot for each case, and above them crosses for wrong cases
+    and open circles for cases without results.
+    """
+    looks: tuple[tuple[bool, bool, Record], ...] = (
+        (True, True, {"marker": "o", "color": POSITION, "ms": 2.6, "mew": 0}),
+        (True, False, {"marker": "x", "color": WRONG, "ms": 3.4, "mew": 0.9}),
+        (False, True, {"marker": "o", "color": "black", "ms": 3.0, "mew": 0.7, "mfc": "none"}),
+    )
+    for given, right, look in looks:
+        points = [
+            (columns[case.name], _height(case))
+            for case in score.cases
+            if case.given == given and (case.right or not given) == right
+        ]
+        if points:
+            ax.plot(*zip(*points, strict=True), linestyle="none", clip_on=False, **look)
+    powers = (0, 6)
+    labels = ["no event", *(f"$10^{{{n}}}$" for n in powers), "wrong", "no result"]
+    ax.set(yscale="log", ylim=(NOTHING / 50, 20 * ABSENT))
+    ax.set_yticks([NOTHING, *(10.0**n for n in powers), FAULTY, ABSENT], labels, fontsize=7)
+    ax.minorticks_off()
+    ax.axhline(1, color="0.5", linewidth=0.6, linestyle="--", zorder=0)
+    ax.axhline(MOST_UNITS * 10, color="0.3", linewidth=0.6)
+    ax.set_title(shown_name(score.name), loc="left", fontsize=8, pad=2)
+
+
+def _height(case: CaseScore) -> float:
+    """Return the ordinate of a case in a figure of scores."""
     if not case.given:
         return ABSENT
     if not case.right:
         return FAULTY
     if case.units is None:
-        return None
+        return NOTHING
     return min(max(case.units, LEAST_UNITS), MOST_UNITS)
-
-
-def _label_groups(ax: Axes, cases: Sequence[CaseScore]) -> None:
-    """Write the names of the groups of cases below the axis, and shade every second group."""
-    from symosc.reference.score import by_group
-
-    begin = 0
-    ticks = []
-    names = []
-    for number, (group, members) in enumerate(by_group(cases)):
-        if number % 2:
-            ax.axvspan(
-                begin - 0.5, begin + len(members) - 0.5, color="0.94", linewidth=0, zorder=-1
-            )
-        ticks.append(begin + (len(members) - 1) / 2)
-        names.append(group)
-        begin += len(members)
-    ax.set_xticks(ticks, names, rotation=40, ha="right", rotation_mode="anchor")
-    ax.tick_params(axis="x", length=0)
-    ax.set_xlim(-0.5, begin - 0.5)

@@ -399,13 +399,14 @@ def _belt_points(ax: Axes, view: View) -> None:
             reach = most_time
         t = np.linspace(contact.since - reach, contact.until + reach, 200 if view.belts_move else 2)
         belt_positions, _ = path(t)
-        ax.plot(t, x + belt_positions - begin, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+        # Below the mass: in a stick both have one path, and the mass is seen.
+        ax.plot(t, x + belt_positions - begin, color=BELT_COLOR, lw=0.6, zorder=1, label="belt")
     ax.set_ylim(low, high)
 
 
 def _belt_speeds(ax: Axes, view: View) -> None:
     """Draw lines at the speeds of the belts, with their names on the right."""
-    # Above the mass, but thinner: in a stick both are seen.
+    # Below the mass, which is seen in a stick; the line goes on at both sides of it.
     low, high = ax.get_ylim()
     if not view.belts_move:
         for corner in view.corners():
@@ -421,10 +422,10 @@ def _belt_speeds(ax: Axes, view: View) -> None:
             shift = {belts[0]: -5, belts[-1]: 5}.get(belt, 0)
         if view.belts_move:
             _, path = belt_path(view.trajectory, belt, view.t)
-            ax.plot(view.t, path, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+            ax.plot(view.t, path, color=BELT_COLOR, lw=0.6, zorder=1, label="belt")
             speed = float(path[-1])
         else:
-            ax.axhline(speed, color=BELT_COLOR, lw=0.6, zorder=3, label="belt")
+            ax.axhline(speed, color=BELT_COLOR, lw=0.6, zorder=1, label="belt")
         ax.annotate(
             f"$v_{belt}$",
             (1, speed),
@@ -581,7 +582,7 @@ def _inset(ax: Axes, view: View, contact: Contact, box: tuple[float, float, floa
     inset.plot(
         (times - since) / 10.0**time_power, relative / 10.0**speed_power, color=MASS_COLOR, lw=1.3
     )
-    inset.axhline(0, color=BELT_COLOR, lw=0.6, zorder=3)
+    inset.axhline(0, color=BELT_COLOR, lw=0.6, zorder=1)
     if is_stick:
         marks = [(since, "onset of stick", ONSET_COLOR), (until, "end of stick", END_COLOR)]
     else:

@@ -286,7 +286,8 @@ BALANCE_COLOR = "#d55e00"
 #: Styles of the columns of a frequency response, and their labels; others are black lines without a
 #: label.
 RESPONSE_STYLES: dict[str, Record] = {
-    "amplitude": {"label": "exact"},
+    "amplitude": {"label": "exact amplitude"},
+    "dissipated": {"label": "lost in all", "lw": 1.8},
     "balance": {"color": BALANCE_COLOR, "ls": (0, (4, 2)), "label": "harmonic balance"},
     "damper": {"color": "#0072b2", "ls": "-.", "label": "in the damper"},
     "friction": {"color": "#cc79a7", "ls": (0, (1, 1)), "label": "in friction"},
@@ -464,7 +465,7 @@ def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
     with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
         if are_words or (are_whole and len(np.unique(values)) <= MOST_WHOLE_CLASSES):
             codes, looks = classes_of(values, unknown)
-            _draw_classes(axes, edges, codes, looks, new=ax is None)
+            _draw_classes(axes, edges, codes, looks, label(str(column.name)), new=ax is None)
         else:
             known = np.where(unknown, np.nan, values.astype(float))
             _draw_shades(axes, edges, known, label(str(column.name)))
@@ -543,10 +544,15 @@ def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray,
 
 
 def _draw_classes(
-    axes: Axes, edges: tuple[np.ndarray, np.ndarray], codes: Any, looks: list[Look], new: bool
+    axes: Axes,
+    edges: tuple[np.ndarray, np.ndarray],
+    codes: Any,
+    looks: list[Look],
+    title: str,
+    new: bool,
 ) -> None:
-    """Draw cells between `edges` by the `looks` of their classes `codes`, with a legend: beside all
-    axes if `new`.
+    """Draw cells between `edges` by the `looks` of their classes `codes`, with a legend that has
+    this `title`: beside all axes if `new`.
     """
     x, y = edges
     colors = ListedColormap([color for _, color, _ in looks])
@@ -579,7 +585,8 @@ def _draw_classes(
     else:
         position = {"loc": "upper left", "bbox_to_anchor": (1, 1)}
         draw = axes.legend
-    draw(handles=handles, frameon=False, handlelength=1.4, handleheight=1.0, **position)
+    look: Record = {"frameon": False, "handlelength": 1.4, "handleheight": 1.0}
+    draw(handles=handles, title=title, title_fontsize=8, alignment="left", **look, **position)
 
 
 def _label_class(axes: Axes, edges: Any, inside: np.ndarray, name: str, color: Any) -> None:

@@ -62,7 +62,12 @@ TURN = 2 * pi
 #: About half a turn: a phase that changes by more from point to point has jumped by a turn.
 HALF_A_TURN = 3
 PHASE_TICKS = ["$0$", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"]
-PHASE_LABEL = r"$\mathrm{mod}(\Omega t_m, 2\pi)$"
+PHASE_LABEL = r"phase $\mathrm{mod}(\Omega t_m, 2\pi)$"
+#: The numbers on the dial of phases: how far from its middle they stand, nearer than this part of a
+#: turn to a critical phase they give way to it, and by how much.
+NUMBERS_AT = 0.8
+NUMBER_TOUCHES = 1 / 12
+GIVES_WAY = 0.2
 CIRCLE_POINTS = 1441
 
 # -- windows: the circle of phases, and the contacts -----------------------------------------------
@@ -180,19 +185,35 @@ def _circle(axes: Axes, window: GrazingWindow) -> None:
         )
     for (theta, _), name in zip(critical, (r"$\Theta^{cr}$", r"$\pi-\Theta^{cr}$"), strict=False):
         _name_phase(axes, theta, name)
-    for quarter, side in enumerate(("left", "center", "right", "center")):
+    for quarter in range(4):
         angle = quarter * pi / 2
-        x = cos(angle)
-        y = sin(angle)
-        axes.plot([0.94 * x, x], [0.94 * y, y], color="black", linewidth=0.6)
-        # Not where the name of a critical phase stands.
-        if all(cos(angle - theta) < 0.95 for theta, _ in critical):
-            axes.text(1.12 * x, 1.2 * y, PHASE_TICKS[quarter], ha=side, va="center", fontsize=7)
+        axes.plot(
+            [0.94 * cos(angle), cos(angle)],
+            [0.94 * sin(angle), sin(angle)],
+            color="black",
+            linewidth=0.6,
+        )
+        # Inside, since the names of the critical phases stand outside; on the side of the tick
+        # where no critical phase is near.
+        at = angle
+        for theta, _ in critical:
+            if cos(angle - theta) > cos(NUMBER_TOUCHES * TURN):
+                at += GIVES_WAY if sin(angle - theta) >= 0 else -GIVES_WAY
+        axes.text(
+            NUMBERS_AT * cos(at),
+            NUMBERS_AT * sin(at),
+            PHASE_TICKS[quarter],
+            ha="center",
+            va="center",
+            fontsize=7,
+        )
     axes.set(xlim=(-1.9, 1.9), ylim=(-1.5, 1.5), aspect="equal")
     axes.set_axis_off()
-    axes.set_title(
-        f"{typeset(window.mapping)}: case {window.case}, {window.order} order", fontsize=8
-    )
+    if window.order == "paper":
+        rule = ", by the rule as printed"
+    else:
+        rule = ""
+    axes.set_title(f"phases at which {typeset(window.mapping)} grazes{rule}", fontsize=8)
 
 
 def critical_phases(window: GrazingWindow) -> list[tuple[float, bool]]:
