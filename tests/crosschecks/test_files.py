@@ -489,5 +489,5 @@ def test_an_hdf5_file_whose_values_are_elsewhere_is_refused(tmp_path: Path) -> N
         assert said[first] == "read 20"
         assert "/t is a virtual dataset: its values are in other files" in said[first + 1]
         assert "/t is kept in external raw storage" in said[first + 2]
-        assert "'t': is missing" in said[first + 3]
+        assert "'t': not found" in said[first + 3]
     assert "secret" not in done.stdout
