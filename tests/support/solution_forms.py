@@ -149,6 +149,7 @@ TEXTS: dict[str, Form] = {
     ),
     "names with commas asked for.csv": text('"a, b","c, d","e, f"', columns="t=a, b,x=c, d,v=e, f"),
     "indices asked for.csv": text('t,"w[1]","w[2]"', columns="x=w[1],v=w[2]"),
+    "an index without a name.csv": text(",x,v"),
     # numbers as names, and no names
     "numbers from 0 as names.csv": text("0,1,2"),
     "numbers from 1 as names.csv": text("1,2,3"),
@@ -291,6 +292,7 @@ MATS: dict[str, Form] = {
     "states called anything.mat": mat(T=T[:, None], Q=STATES.T),
     "tout and yout.mat": mat(tout=T[:, None], yout=STATES.T),
     "tout and xout.mat": mat(tout=T[:, None], xout=STATES.T),
+    "single simulation output.mat": mat(out={"tout": T[:, None], "yout": STATES.T, "info": "run"}),
     "by index.mat": mat("x=w[1],v=w[2]", t=T[:, None], w=STATES.T),
     "by number.mat": mat("t=3,x=1,v=2", a=X[:, None], b=V[:, None], c=T[:, None]),
     "sol.mat": mat(sol=ode45_solution()),

@@ -384,6 +384,9 @@ def _in_view(
     if "x" in places and "v" not in places:
         base = plain(view.get(places["x"], names[places["x"]]))
         look("v", lambda name: plain(name) in {form.format(base) for form in DERIVATIVES})
+    # The index of a table has no name, and may be the time.
+    if {"x", "t"} & places.keys() == {"x"} and free.get(0) == "":
+        places["t"] = 0
     look(ID_COLUMN, lambda name: name == ID_COLUMN, is_usual(ID_COLUMN))
     look(KIND_COLUMN, lambda name: name == KIND_COLUMN, is_usual(KIND_COLUMN))
     return places
