@@ -151,7 +151,8 @@ class Belt:
             The relative speed > 0 up to which the law follows the function; beyond it friction is
             constant. Give more than the mass reaches.
         pieces : int, optional
-            The number of straight pieces, all of the width until / pieces.
+            The number n of straight pieces. They are narrower at small speeds, where friction
+            bends most: the points are at until (i/n)^2.
         mu_s : number, optional
             Static coefficient. None: the function's value at 0.
 
@@ -167,13 +168,13 @@ class Belt:
 
         Notes
         -----
-        The law differs from a smooth function by at most h^2/8 max|mu''|, with h = until / pieces.
-        So twice the pieces divide the error by four, and times and positions that depend smoothly
-        on the law follow. To learn how far they are off, double `pieces` and compare. Motions
-        along this law are as exact as along any other.
+        On a piece of the width h, between until (i/n)^2 and until ((i + 1)/n)^2, the law differs
+        from a smooth function by at most h^2/8 max|mu''|. So twice the pieces divide the error by
+        four, and so they do with times and positions that depend smoothly on the law. To learn how
+        far these are off, double `pieces` and compare. Motions along the piecewise-linear law
+        itself are as exact as along any other.
 
-        Where a function bends at small speeds only, as friction that falls does, ``curve=`` with
-        points of your own, closer there, does with fewer.
+        Points of your own are given by ``curve=``.
 
         Examples
         --------
@@ -190,7 +191,7 @@ class Belt:
         if end <= 0:
             raise ParameterError("until", show(end), "must be > 0")
         pieces = whole_number("pieces", pieces, 1, MOST_POINTS - 1)
-        speeds = [end * i / pieces for i in range(pieces + 1)]
+        speeds = [end * Fraction(i, pieces) ** 2 for i in range(pieces + 1)]
         return cls(v, curve=[(w, _value_at(mu, w)) for w in speeds], mu_s=mu_s)
 
     @public

@@ -228,9 +228,9 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
         "fails at w = 0 with ZeroDivisionError: ",
     ),
     "a function that is negative": (
-        lambda: Belt.from_function(1, lambda w: 1 - w, 2, pieces=4),
+        lambda: Belt.from_function(1, lambda w: 1 - w, 2, pieces=2),
         "mu",
-        "its value -0.5 at w = 1.5 must be >= 0",
+        "its value -1.0 at w = 2 must be >= 0",
     ),
     "a function of nothing": (
         lambda: Belt.from_function(1, lambda w: None, 2),
@@ -238,9 +238,9 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
         "its value None at w = 0 must be a number",
     ),
     "a function with a pole": (
-        lambda: Belt.from_function(1, lambda w: np.inf if w == 1 else 1, 2),
+        lambda: Belt.from_function(1, lambda w: np.inf if w == 0.5 else 1, 2),
         "mu",
-        "its value inf at w = 1 must be finite",
+        "its value inf at w = 0.5 must be finite",
     ),
     "no range": (lambda: Belt.from_function(1, abs, 0), "until", "must be > 0"),
     "a range in words": (lambda: Belt.from_function(1, abs, "far"), "until", "give a number"),
