@@ -4,7 +4,8 @@ follow which.
 The paper writes a word like a composition of functions, from right to left: P32 = P3∘P2 applies P2
 first. That text is its mapping structure. `read_word` checks a text and makes a `Word` of it, and
 ``str`` a text of a `Word`. Only `cycle` takes a text apart without the check, because that text was
-written by ``str``. A list that a user gives reads like the text.
+written by ``str``. A list that a user gives reads like the text. Where there is one belt its
+mappings are S1, B1 and A1, and a word is a text such as B1∘A1.
 `Trajectory.word` and `Word.labels` are in order of time, a text (`Scene.structure`,
 `PeriodicOrbit.word`) is from right to left.
 """
@@ -18,7 +19,14 @@ from typing import NamedTuple, TypeAlias
 
 from symosc.base.arguments import FLAG, WORD, public, require
 from symosc.base.errors import SymoscError, brief, shown
-from symosc.friction import MAPS, NEIGHBOURS, Map
+from symosc.friction import MAPS, NEIGHBOURS, Map, geometry
+
+#: What the mappings at the lower of two belts are called where there is no other one: P1, P2 and P3
+#: are S1, B1 and A1.
+ALONE = dict(zip(MAPS, geometry(1).maps, strict=False))
+PAIRED = {label: paper for paper, label in ALONE.items()}
+#: The mappings of two belts and those of one, by label, with the modes of the engine.
+KNOWN_MAPS = MAPS | {label: MAPS[paper]._replace(label=label) for label, paper in PAIRED.items()}
 
 
 class WordError(SymoscError, ValueError):
@@ -57,7 +65,7 @@ class Word(NamedTuple):
     Attributes
     ----------
     labels : tuple of str
-        "P1" to "P8" in order of time: the reverse of the text.
+        "P1" to "P8", or "S1", "B1" and "A1" of one belt, in order of time: the reverse of the text.
 
     Examples
     --------
@@ -93,8 +101,8 @@ class Word(NamedTuple):
 
     def latex(self) -> str:
         """Return the word in LaTeX as a composition of mappings, such as P32 = P3∘P2."""
-        composed = r" \circ ".join(f"P_{label[1:]}" for label in reversed(self.labels))
-        if len(self.labels) > 1:
+        composed = r" \circ ".join(map(latex_label, reversed(self.labels)))
+        if len(self.labels) > 1 and self.labels[0] in MAPS:
             return f"P_{{{str(self)[1:]}}} = {composed}"
         return composed
 
@@ -103,8 +111,8 @@ class Word(NamedTuple):
 
     @property
     def maps(self) -> tuple[Map, ...]:
-        """The mappings of the word, as rows of `MAPS`, in order of time."""
-        return tuple(MAPS[label] for label in self.labels)
+        """The mappings of the word, as rows of `KNOWN_MAPS`, in order of time."""
+        return tuple(KNOWN_MAPS[label] for label in self.labels)
 
     def exits(self) -> tuple[str | None, ...]:
         """Return for each map whether the next one moves "below" or "above" the belt, if the map is
@@ -125,7 +133,7 @@ class Word(NamedTuple):
 
     def __str__(self) -> str:
         in_text = self.labels[::-1]
-        if all(label[0] == "P" for label in in_text):
+        if in_text and all(label in MAPS for label in in_text):
             return "P" + "".join(label[1] for label in in_text)
         return "∘".join(in_text)  # of another number of belts than two
 
@@ -142,9 +150,35 @@ def cycle(word: str) -> str:
 
     P32 for P32 and for P23; "" for "". A word with grazes passes too, which `read_word` refuses.
     """
-    if word:
-        return str(Word(tuple(f"P{digit}" for digit in reversed(word[1:]))).cycle)
-    return ""
+    return str(written(word).cycle)
+
+
+def written(text: str) -> Word:
+    """Return the word whose text ``str`` wrote."""
+    if text.startswith("P"):
+        in_text = [f"P{digit}" for digit in text[1:]]
+    else:
+        in_text = [label for label in text.split("∘") if label]
+    return Word(tuple(reversed(in_text)))
+
+
+def latex_label(label: str) -> str:
+    """Return the label of a mapping in LaTeX."""
+    return f"{label[0]}_{{{label[1:]}}}" if len(label) > 2 else f"{label[0]}_{label[1:]}"
+
+
+def of_belts(word: Word, belts: int) -> Word:
+    """Return a word with the labels of a law of one belt, or of two.
+
+    Raise WordError if it is about a second belt and there is one.
+    """
+    names = ALONE if belts == 1 else PAIRED
+    labels = tuple(names.get(label, label) for label in word.labels)
+    for label in labels:
+        if belts == 1 and label in MAPS:
+            reason = f"{label} is at belt 2, and there is one belt: its mappings are S1, B1 and A1"
+            raise WordError(str(word), reason)
+    return Word(labels)
 
 
 #: The greatest length up to which labels are printed in full, and that of a repeated group that is
@@ -220,7 +254,8 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
     Parameters
     ----------
     word : str, iterable of str or Word
-        "P32", "P3∘P2", "P3 P2", ["P3", "P2"]: each applies P2 first.
+        "P32", "P3∘P2", "P3 P2", ["P3", "P2"]: each applies P2 first. Of one belt "A1∘B1", "A1 B1"
+        and so on.
     closed : bool
         Whether the first map follows the last one, as on a periodic orbit.
     grazing : bool
@@ -254,8 +289,8 @@ def read_word(word: WordLike, *, closed: bool = True, grazing: bool = False) -> 
 
 def why_not(before: str, after: str, *, grazing: bool = False) -> str:
     """Return why no motion can do mapping `before` and then mapping `after`, or "" if one can."""
-    first = MAPS[before]
-    second = MAPS[after]
+    first = KNOWN_MAPS[before]
+    second = KNOWN_MAPS[after]
     ends = first.end
     starts = second.start
     step = f"{after} cannot follow {before}"
@@ -286,16 +321,32 @@ def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
         text = "∘".join(part if isinstance(part, str) else shown(part) for part in parts)
     if len(parts) > MOST_MAPPINGS or len(text) > LONGEST_TEXT:
         raise WordError(text, f"may have at most {MOST_MAPPINGS:,} mappings")
-    digits = ""
+    labels: list[str] = []
     for part in parts:
-        if isinstance(part, str):
-            match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part)
-        else:
-            match = None
-        if match is None:
+        read = _labels_of(part)
+        if not read:
             allowed = "the mappings are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']"
+            if any(label in PAIRED for label in labels):
+                allowed = "the mappings of one belt are S1, B1 and A1, written A1∘B1"
             raise WordError(text, f"{shown(part)} is not a mapping; {allowed}")
-        digits += match.group(1)
-    if not digits:
+        labels += read
+    if not labels:
         raise WordError(repr(text), "is empty; write for example P32, which applies P2 first")
-    return tuple(f"P{digit}" for digit in reversed(digits)), text
+    if len({label in MAPS for label in labels}) > 1:
+        reason = "mixes mappings of two belts (P1 to P8) with those of one (S1, B1, A1)"
+        raise WordError(text, reason)
+    return tuple(reversed(labels)), text
+
+
+def _labels_of(part: object) -> list[str]:
+    """Return the labels of mappings in one part of a word's text, such as P32; empty for any other
+    text.
+    """
+    if not isinstance(part, str):
+        return []
+    if part in PAIRED:
+        return [str(part)]
+    match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part)
+    if match is None:
+        return []
+    return [f"P{digit}" for digit in match.group(1)]

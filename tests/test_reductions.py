@@ -238,7 +238,7 @@ def test_a_scene_file_names_a_model(tmp_path: Path) -> None:
     assert float(motion.t_end) == pytest.approx(3 * TURN / 1.5)
     assert scene.changed(Omega=3).parameters.B0 == 9  # m Y Omega^2
     assert scene.parameters == scene.original.model.oscillator
-    assert symosc.find_orbit(scene).parameters == scene.original.model.parameters
+    assert symosc.find_orbit(scene).parameters == scene.original.model.oscillator
     assert scene.reduced().original is None
     assert scene.reduced().x0 == scene.x0
 

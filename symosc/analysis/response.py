@@ -33,7 +33,7 @@ from symosc.base.files import write_text
 from symosc.engine.arithmetic import column_functions
 from symosc.kernels import linear
 from symosc.kernels.elementary import cos, sin
-from symosc.model import Parameters, by_name
+from symosc.model import Model, Parameters, by_name
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit, settled_orbit
 from symosc.orbits.floquet import rest_positions
@@ -44,7 +44,7 @@ from symosc.simulation.simulate import simulate
 from symosc.simulation.tables import Columns
 from symosc.simulation.trajectory import Segment, Trajectory
 from symosc.sweeps.plan import read_axis
-from symosc.words import Word, WordError
+from symosc.words import Word, WordError, of_belts
 
 #: Gauss points of a part of a piece, and what the last coefficients of its polynomials may be: as a
 #: part of the size of the motion or, where that is less, of this part of what the drive would do to
@@ -194,7 +194,7 @@ def frequency_response(
     """
     require(mapping_of(*ARRAY_LIKE), over=over)
     require(*PROGRESS, progress=progress)
-    model = _model_of(problem_of(what, "what"))
+    model = _model_of(problem_of(what, "what", any_law=True))
     if not isinstance(over, Mapping) or len(over) != 1:
         raise ParameterError(
             "over", over, 'must be one parameter with its values, such as {"Omega": "0.5:2:100"}'
@@ -220,15 +220,19 @@ def frequency_response(
     return FrequencyResponse(name=name, values=values, **columns)
 
 
-def _model_of(problem: Scene | Parameters | OtherModel) -> OtherModel:
+def _model_of(problem: Scene | Model | OtherModel) -> OtherModel:
     """Return a problem as an OtherModel; by default its base is at rest."""
     if isinstance(problem, OtherModel):
         return problem
-    if isinstance(problem, Parameters):
-        return OtherModel(**by_name(problem))
-    if problem.original is not None:
-        return problem.original.model
-    return OtherModel(**by_name(problem.parameters))
+    if isinstance(problem, Scene):
+        if problem.original is not None:
+            return problem.original.model
+        problem = problem.parameters
+    numbers = by_name(problem.parameters)
+    if len(problem.law.belts) == 1:
+        del numbers["v2"]
+        del numbers["mu2"]
+    return OtherModel(**numbers)
 
 
 def respond(
@@ -663,7 +667,7 @@ def cycle_response(
     # time, after all later ones, which is a geometric series.
     start_error = float(closure.max()) / max(1 - multiplier, CONVERGED)
     return {
-        "word": orbit.word if orbit else "",
+        "word": _word(model, orbit) if orbit else "",
         "amplitude": amplitude,
         "transmissibility": transmissibility,
         "phase": phase(excitation / first) if abs(first) > CONVERGED * abs(excitation) else nan,
@@ -675,6 +679,11 @@ def cycle_response(
         "stuck": cycle.stuck / period,
         "error": start_error + float(np.spacing(amplitude)),
     }
+
+
+def _word(model: OtherModel, orbit: PeriodicOrbit) -> str:
+    """Return the word of an orbit, with the labels of the model's belts."""
+    return str(of_belts(Word(orbit.labels), 1 if model.v2 is None else 2).cycle)
 
 
 def _excitation(model: OtherModel) -> Harmonic:

@@ -39,6 +39,7 @@ from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, from_rest, passed, scene_of
 from symosc.simulation.tangents import read_wrt
+from symosc.words import Word, of_belts
 
 #: Omega t from which on a motion is first tried to be proven by the orbit on which it settles.
 LONG_MOTION = 6000
@@ -143,7 +144,9 @@ def certify(
     if isinstance(what, PeriodicOrbit):
         from symosc.certificates.propose_orbits import certify_orbit
 
-        return certify_orbit(what.parameters, what.labels, what.periods, what.points)
+        # Certificates are about two belts, of which the second one may never be met.
+        labels = of_belts(Word(what.labels), 2).labels
+        return certify_orbit(what.parameters.parameters, labels, what.periods, what.points)
     if isinstance(what, Branch):
         from symosc.certificates.propose_orbits import certify_branch
 

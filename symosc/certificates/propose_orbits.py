@@ -49,7 +49,7 @@ from symosc.model import Parameters
 from symosc.orbits.admissibility import clearances, conditions, failing, holding_forces
 from symosc.orbits.branch import RANGE, Branch
 from symosc.orbits.floquet import multipliers_of
-from symosc.words import Word
+from symosc.words import Word, of_belts
 
 #: Digits of an orbit that are computed, tried one after another.
 ORBIT_DIGITS = (50, 120)
@@ -303,9 +303,10 @@ def certify_branch(
         for i in (0, -1)
     ]
     ends.sort(key=lambda end: end.value)
-    proposal = BranchProposal(
-        branch.parameters(0), branch.parameter, branch.labels, branch.periods, (ends[0], ends[1])
-    )
+    # Certificates are about two belts, of which the second one may never be met.
+    labels = of_belts(Word(branch.labels), 2).labels
+    p = branch.parameters(0).parameters
+    proposal = BranchProposal(p, branch.parameter, labels, branch.periods, (ends[0], ends[1]))
     stable = bool(branch.stable.all()) or None
     if not isinstance(progress, bool):
         return proposal.certificate(stable, progress)

@@ -259,9 +259,11 @@ def scene_with(scene: str | Scene, settings: Settings, **start: Text) -> Scene:
     return scene.started(changes)
 
 
-def reduced_scene(scene: Scene) -> Scene:
+def reduced_scene(scene: Scene, any_law: bool = False) -> Scene:
     """Return a scene with `Parameters`, in the coordinates of symosc's model; for one of another
     model, print a note.
+
+    With `any_law` it keeps its belts, and may have an `Oscillator`.
     """
     if scene.original is not None:
         drive = scene.parameters.as_dict()["B0"]
@@ -269,7 +271,7 @@ def reduced_scene(scene: Scene) -> Scene:
             f"{scene.name}: of another model; this is about the oscillator that it is, with B0 = "
             f"{drive}"
         )
-    return scene_of(scene, "scene").reduced()  # type: ignore[union-attr]
+    return scene_of(scene, "scene", any_law).reduced()  # type: ignore[union-attr]
 
 
 def read_duration(name: str, text: str) -> Any:

@@ -78,7 +78,7 @@ def orbit(
             "branch is followed"
         )
         raise click.BadParameter(reason, param_hint="--continue")
-    problem = options.reduced_scene(problem)
+    problem = options.reduced_scene(problem, any_law=True)
     with output.failing(symosc.ConvergenceError):
         closed_orbit = symosc.find_orbit(
             problem.parameters, structure or problem.structure, **exact

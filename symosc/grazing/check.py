@@ -47,7 +47,7 @@ from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
 from symosc.kernels.theorem7_cases import Place
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 
 CHECK_PHASES = 10_000
 YES = 1
@@ -221,7 +221,7 @@ def check_grazing(
     >>> check_grazing(load_scene("fig9").parameters, "P2", n=100).ok
     True
     """
-    p = parameters_of(p)
+    p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(*PROGRESS, progress=progress)
     n = whole_number("n", n, 1, 1_000_000)

@@ -53,7 +53,7 @@ from symosc.grazing.window import grazing_window
 from symosc.kernels.entire import basis
 from symosc.kernels.theorem7_cases import ARC, EMPTY, EVERYTHING
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 
 CURVE_POINTS = 400
 LEAST_CURVE_POINTS = 8
@@ -264,7 +264,7 @@ def grazing_curve(
     >>> [f"{end.x:.4f}" for end in (curve.pieces[0].low, curve.pieces[0].high)]
     ['3.9229', '11.0820']
     """
-    p = parameters_of(p)
+    p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(*PROGRESS, progress=progress)
     window = grazing_window(p, mapping)

@@ -48,7 +48,7 @@ from symosc.grazing.start import (
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels.elementary import cos
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 
 UNKNOWNS = ("x_i", "theta_i", "x_j", "theta_j", "theta_m")
 MOST_NOTES = 3
@@ -176,7 +176,7 @@ def solve_grazing(
     >>> f"{start.theta:.6f}", f"{start.theta_m:.6f}"
     ('5.085819', '0.612081')
     """
-    p = parameters_of(p)
+    p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(*PROGRESS, progress=progress)
     require(NUMBER, **given)

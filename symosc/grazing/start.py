@@ -32,7 +32,7 @@ from symosc.grazing.backward import SEARCH_PERIODS, Flights, Origins
 from symosc.grazing.window import grazing_window
 from symosc.kernels._generated import next_derivative
 from symosc.kernels.theorem7_cases import place
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 
 DEFAULT_DIGITS = 40
 MOST_START_DIGITS = 2000
@@ -158,7 +158,7 @@ def grazing_start(
     >>> simulate(p, **found.start, t_end="0.3").events[0].kind
     'graze'
     """
-    p = parameters_of(p)
+    p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require_or_none(NUMBER, theta=theta, t_m=t_m)
     origins = Origins(p, mapping)
@@ -446,7 +446,7 @@ def is_grazing(
     >>> is_grazing(p, "P2", x, "1").grazing
     True
     """
-    p = parameters_of(p)
+    p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(NUMBER, x=x, theta=theta)
     where = place(mapping)

@@ -35,7 +35,7 @@ from symosc.kernels import theorem7_cases as cases
 from symosc.kernels.compiling import compile_modules
 from symosc.kernels.theorem7_cases import EMPTY, EVERYTHING, Place, place
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 
 WINDOW_DIGITS = 30
 # numpy's sine is right to 1e-15: phases whose sine is nearer to that of an end are decided exactly.
@@ -69,7 +69,7 @@ def grazing_window(p: ParametersLike, mapping: str, order: Order = "full") -> Gr
     >>> grazing_window(load_scene("fig9").parameters, "P2")
     GrazingWindow(P2, gamma=30, case=(55.1), [0, 3.22502) or (6.19976, 6.28319))
     """
-    p = parameters_of(p)
+    p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(ORDER, order=order)
     return GrazingWindow(p, mapping, order, place(mapping))
@@ -541,7 +541,7 @@ def grazing_windows(
     >>> columns.kind.tolist()
     [1, 4, 4]
     """
-    p = parameters_of(p)
+    p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(ORDER, order=order)
     require(*ARRAY_LIKE, **swept)

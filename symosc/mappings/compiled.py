@@ -20,7 +20,7 @@ from symosc.kernels.mapping import BACKWARD, CLOSED_FORM, KINDS, WIDE
 from symosc.mappings.equations import EXITS, UNWRAPPED, flight_arguments, stick_arguments
 from symosc.mappings.points import POINT_NAMES
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 from symosc.words import WordLike, read_word
 
 FORMULAS = ("by_closed_form", "by_division", "by_division_and_series", "by_series")
@@ -61,7 +61,7 @@ def compiled_residual(
     >>> f1.round(6), f2.round(6)
     (array([-0.146366]), array([1.642603]))
     """
-    p = parameters_of(p)
+    p = parameters_for(p, label=label)
     require(WORD, label=label)
     require(FLAG, jacobian=jacobian)
     require_or_none(TEXT, exit=exit)

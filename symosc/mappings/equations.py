@@ -53,7 +53,7 @@ from symosc.kernels import mapping
 from symosc.kernels.rebind import bind
 from symosc.mappings.points import POINT_NAMES, is_array, point_columns, scalar
 from symosc.model import PARAMETER_NAMES, Model, Parameters
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 
 EXITS = ("below", "above")
 #: Points that are evaluated at once: the columns of a block stay in the cache of a core.
@@ -103,7 +103,7 @@ def residual(
     >>> print(f"{f1:.6f} {f2:.6f}")
     -0.146366 1.642603
     """
-    p = parameters_of(p)
+    p = parameters_for(p, label=label)
     require(TEXT, label=label)
     require(POINT, start=start, end=end)
     require_or_none(TEXT, exit=exit)
@@ -133,7 +133,7 @@ def jacobian(
     >>> J.round(4).tolist()
     [[-0.0776, -0.5228, -1.0, 0.6607], [2.3223, -0.0394, 0.0, 22.5695]]
     """
-    p = parameters_of(p)
+    p = parameters_for(p, label=label)
     require(TEXT, label=label)
     require(POINT, start=start, end=end)
     require_or_none(TEXT, exit=exit)
@@ -161,7 +161,7 @@ def parameter_jacobian(
     >>> J[:, 5].round(4).tolist()  # with respect to Omega
     [-0.7646, -9.5031]
     """
-    p = parameters_of(p)
+    p = parameters_for(p, label=label)
     require(TEXT, label=label)
     require(POINT, start=start, end=end)
     require_or_none(TEXT, exit=exit)
@@ -505,7 +505,7 @@ def solve_map(p: ParametersLike, label: str, x_i: Number, theta_i: Number) -> Ma
     >>> f"{point.x:.6f}", f"{point.theta:.6f}"
     ('-4.179569', '3.927047')
     """
-    p = parameters_of(p)
+    p = parameters_for(p, label=label)
     require(TEXT, label=label)
     require(REAL, x_i=x_i, theta_i=theta_i)
     row, _, points, shape = read_points(p, label, (x_i, theta_i), (x_i, theta_i))

@@ -52,7 +52,7 @@ from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ConvergenceError, Orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
-from symosc.words import Word, cycle
+from symosc.words import Word, cycle, of_belts
 
 # The distances, as parts of the ranges, from a branch's end to where its border is looked for.
 AWAY = (1e-7, 1e-6, 1e-5)
@@ -520,11 +520,12 @@ def continue_border(
         value = reason.value
     else:
         value = 0.0
-    parameters = branch.parameters(at_end).replace(**{branch.parameter: value})
+    parameters = branch.parameters(at_end).parameters.replace(**{branch.parameter: value})
     plane = _read_plane(parameters, branch.parameter, parameter, range)
     longest, most = _read_steps(step, max_points)
     values = np.array([value, float(getattr(parameters, parameter))])
-    near = Orbit(Word(branch.labels), branch.periods, branch.orbit(at_end).phases())
+    word = of_belts(Word(branch.labels), 2)  # of the parameters, whose second belt may be far
+    near = Orbit(word, branch.periods, branch.orbit(at_end).phases())
     # Without a word beyond the end the border has a closed form.
     if reason.beyond is None:
         closed = closed_form(plane, values, near)
@@ -546,7 +547,7 @@ def continue_border(
         )
     border = traced(*begun, longest, most)
     # The branch's word comes first, and what happens is what happens to it.
-    if border.words[1] == cycle(branch.word):
+    if border.words[1] == str(word.cycle):
         border.words = border.words[::-1]
         border._side = -border._side
         border.kind = reason.kind

@@ -72,7 +72,7 @@ from symosc.engine.flow import derivatives
 from symosc.kernels import linear
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Model, Parameters
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import (
     MARGINAL,
@@ -87,7 +87,7 @@ from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, solve
 from symosc.orbits.find import find_orbit, largest_displacement, settling, switching_points
 from symosc.orbits.floquet import NEAR_ONE, multipliers_of
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, belts_of
 from symosc.words import WordLike, read_word
 
 RANGE = "end of the range"
@@ -262,7 +262,7 @@ class Branch(Drawable):
         self.stable = damped | (np.abs(self.multipliers).max(axis=1) < 1 - NEAR_ONE)
 
     @public
-    def parameters(self, i: int) -> Parameters:
+    def parameters(self, i: int) -> Model:
         """Return the parameters of the branch's i-th point; -1 is the last one, as for a list."""
         i = whole_number("i", i, -len(self.values), len(self.values) - 1)
         return self._orbit.parameters.replace(**{self.parameter: float(self.values[i])})
@@ -393,7 +393,7 @@ def continue_orbit(
     >>> [end.kind for end in branch.ends]
     ['birth of a stick', 'end of the range']
     """
-    parameters = parameters_of(parameters, "parameters")
+    model = belts_of(parameters, "parameters")
     require(WORD, word=word)
     require(TEXT, parameter=parameter)
     require(row_of(2, NUMBER), range=range)
@@ -401,8 +401,8 @@ def continue_orbit(
     require_or_none(WHOLE, periods=periods)
     require(*PROGRESS, progress=progress)
     read_word(word)
-    low, high = read_range(parameters, parameter, range)
-    orbit = find_orbit(parameters, word, guess, periods=periods)
+    low, high = read_range(model, parameter, range)
+    orbit = find_orbit(model, word, guess, periods=periods)
     if not orbit.admissible:
         raise BranchError(orbit)
     curve = Curve(orbit, parameter, low, high)
@@ -414,16 +414,17 @@ def continue_orbit(
 
 
 def read_range(
-    parameters: Parameters, parameter: str, limits: tuple[NumberLike, NumberLike] | None
+    parameters: Model, parameter: str, limits: tuple[NumberLike, NumberLike] | None
 ) -> tuple[float, float]:
     """Check the name `parameter` and the range `limits`; return the limits as floats."""
-    if parameter not in PARAMETER_NAMES:
-        known = f"must be one of {', '.join(PARAMETER_NAMES)}"
-        raise ParameterError("parameter", parameter, known + meant(parameter, PARAMETER_NAMES))
+    names = [name for name in PARAMETER_NAMES if name in parameters.numbers()]
+    if parameter not in names:
+        known = f"must be one of {', '.join(names)}"
+        raise ParameterError("parameter", parameter, known + meant(parameter, names))
     if limits is None:
         raise ParameterError("range", limits, "must be a pair (low, high)")
     low, high = (read_exact("range", limit) for limit in limits)
-    value = getattr(parameters, parameter)
+    value = parameters.numbers()[parameter]
     if not low < high or not low <= value <= high:
         allowed = f"must be low < high, with the value {parameter} = {show(value)} in between"
         raise ParameterError("range", f"{show(low)}:{show(high)}", allowed)
@@ -474,7 +475,7 @@ class Curve:
         self.high = high
         self.word = orbit.equations().word
         self.start = orbit.phases()
-        self.value = float(getattr(orbit.parameters, parameter))
+        self.value = float(orbit.parameters.numbers()[parameter])
         n = len(self.start)
         # Switching points may lie close together on an orbit that moves far.
         positions, _ = self.start.T
@@ -492,7 +493,9 @@ class Curve:
             while len(self._equations) >= MOST_KEPT:  # the oldest goes
                 del self._equations[next(iter(self._equations))]
             parameters = self.orbit.parameters.replace(**{self.parameter: value})
-            self._equations[value] = ClosingEquations(parameters, self.word, self.orbit.periods)
+            self._equations[value] = ClosingEquations(
+                parameters.parameters, self.word, self.orbit.periods
+            )
         return self._equations[value]
 
     def split(self, z: np.ndarray) -> tuple[np.ndarray, float]:

@@ -39,12 +39,21 @@ from symosc.orbits.closing_equations import (
 )
 from symosc.orbits.floquet import multipliers_of, rest_positions, stability_margin
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, belts_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.loops import CHOICE
 from symosc.simulation.problems import named
 from symosc.simulation.trajectory import map_labels
-from symosc.words import Word, WordError, WordLike, first_of_cycle, read_word
+from symosc.words import (
+    PAIRED,
+    Word,
+    WordError,
+    WordLike,
+    first_of_cycle,
+    of_belts,
+    read_word,
+    written,
+)
 
 # All switchings are solved for at once: much longer words would take minutes.
 MOST_MAPPINGS = 40
@@ -93,7 +102,8 @@ def find_orbit(
     parameters : Parameters, or a Scene, its name or its file
         With k > 0: without a spring nothing fixes the position of an orbit.
     word : str or sequence of str, optional
-        The mapping structure, read right to left: "P32" is P2 first, then P3. All rotations of a
+        The mapping structure, read right to left: "P32" is P2 first, then P3. Where there is one
+        belt the mappings are S1, B1 and A1 (P1, P2 and P3 are read as these). All rotations of a
         word are one orbit: its word is `Word.cycle`, and its points begin where that does. None:
         the word of the motion that starts with x = v = 0 at t = 0, once it has settled.
     guess : optional
@@ -140,7 +150,8 @@ def find_orbit(
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
     """
-    parameters = parameters_of(parameters, "parameters")
+    model = belts_of(parameters, "parameters")
+    belts = len(model.law.belts)
     require_or_none(WORD, word=word)
     require_or_none(PeriodicOrbit, *TABLE_LIKE, guess=guess)
     if periods is not None:
@@ -152,14 +163,17 @@ def find_orbit(
                     f"{name} requires a word: without one the orbit is that of the settled motion"
                 )
                 raise ParameterError(name, value, allowed)
-        if parameters.c == 0:
+        if model.c == 0:
             raise ParameterError(
                 "word",
                 None,
                 "word is required without a damper: for c = 0 a motion need not settle",
             )
-        return settled_orbit(parameters, digits)
-    return orbit_of_word(parameters, word, guess, digits, periods)
+        orbit = settled_orbit(model.parameters, digits, belts=belts)
+    else:
+        read = of_belts(read_word(word), belts)
+        orbit = orbit_of_word(model.parameters, read, guess, digits, periods)
+    return replace(orbit, parameters=model)
 
 
 def orbit_of_word(
@@ -206,10 +220,16 @@ def _rotations(guess: Guess, word: Word) -> list[Guess]:
 
 
 def settled_orbit(
-    parameters: Parameters, digits: int | None = None, most: int = SETTLING_PERIODS[-1]
+    parameters: Parameters,
+    digits: int | None = None,
+    most: int = SETTLING_PERIODS[-1],
+    belts: int = 2,
 ) -> PeriodicOrbit:
     """Return the orbit to which the motion from t = x = v = 0 settles in `most` periods, or raise
     ConvergenceError.
+
+    Its word is that of a law with so many `belts`: with one, the second belt of the parameters is
+    out of reach.
     """
     reason = f"the motion from rest does not settle within {most:,} forcing periods"
     tried = [""]  # words; the last one is named in the error
@@ -218,9 +238,10 @@ def settled_orbit(
             break
         end = 2 * pi * periods / float(parameters.Omega)
         word, trouble = _word_from_rest(parameters, end)
+        word = str(of_belts(written(word), belts))
         if not trouble and word not in tried:
             tried.append(word)
-            trouble = _too_close_text(parameters, end, len(word))
+            trouble = _too_close_text(parameters, end, len(written(word).labels) + 1)
             if not trouble:
                 orbit = orbit_of_word(parameters, word, digits=digits)
                 if orbit.admissible:
@@ -676,7 +697,7 @@ def follow(equations: ClosingEquations, x: float, theta: float, boundary: int, m
             planes.append((belt_met, state.mode))
         if code in (END, REST, FAILED) or len(points) > most:
             break
-    names = map_labels(2)
+    names = map_labels(1 if equations.word.labels[0] in PAIRED else 2)
     labels = [
         names.get((begin, MODE_NAMES[mode], end)) for (begin, mode), (end, _) in pairwise(planes)
     ]

@@ -20,13 +20,13 @@ from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import read_exact
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.flow import state_at
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Model
 from symosc.orbits.admissibility import Condition, conditions
 from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, polish
 from symosc.orbits.floquet import multipliers_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
-from symosc.words import Word
+from symosc.words import Word, latex_label
 
 # The step of a difference quotient, as a part of the parameter, or of LEAST_SIZE if this is smaller.
 SENSITIVITY_STEP = Fraction(1, 10**15)
@@ -134,7 +134,8 @@ class PeriodicOrbit(Drawable):
 
     Attributes
     ----------
-    parameters : Parameters
+    parameters : Parameters or Oscillator
+        An Oscillator if there is one belt.
     word : str
         The mapping structure, read right to left.
     labels : tuple of str
@@ -181,7 +182,7 @@ class PeriodicOrbit(Drawable):
     _drawn_by = "orbit_figure"
     _made_by = "find_orbit(...)"
 
-    parameters: Parameters
+    parameters: Model
     word: str
     labels: tuple[str, ...]
     points: tuple[SwitchingPoint, ...]
@@ -210,7 +211,7 @@ class PeriodicOrbit(Drawable):
 
         points = zip(self.labels, self.points, strict=True)
         rows = r" \\ ".join(
-            f"P_{label[1:]}: & {float(t):.12g} & {float(x):.12g}" for label, (t, x) in points
+            f"{latex_label(label)}: & {float(t):.12g} & {float(x):.12g}" for label, (t, x) in points
         )
         multipliers = r",\; ".join(shown(complex(value)) for value in self.multipliers)
         table = rf"\begin{{array}}{{lll}} \text{{from}} & t & x \\ {rows} \end{{array}}"
@@ -218,7 +219,7 @@ class PeriodicOrbit(Drawable):
 
     def equations(self) -> ClosingEquations:
         """Return the closing equations in double precision."""
-        return ClosingEquations(self.parameters, Word(self.labels), self.periods)
+        return ClosingEquations(self.parameters.parameters, Word(self.labels), self.periods)
 
     def phases(self) -> np.ndarray:
         """Return the switching points as an (n, 2) array of (x, theta), phases unwrapped."""
@@ -282,17 +283,18 @@ class PeriodicOrbit(Drawable):
             names: tuple[str, ...] = (wrt,)
         else:
             names = tuple(wrt)
+        known = [name for name in PARAMETER_NAMES if name in self.parameters.numbers()]
         for name in names or ("",):
-            if name not in PARAMETER_NAMES or names.count(name) > 1:
-                allowed = f"must be different names of {', '.join(PARAMETER_NAMES)}"
-                if name in PARAMETER_NAMES:
+            if name not in known or names.count(name) > 1:
+                allowed = f"must be different names of {', '.join(known)}"
+                if name in known:
                     hint = ""
                 else:
-                    hint = meant(str(name), PARAMETER_NAMES)
+                    hint = meant(str(name), known)
                 raise ParameterError("wrt", name, allowed + hint)
         columns = []
         for name in names:
-            value: Fraction = getattr(self.parameters, name)
+            value = self.parameters.numbers()[name]
             step = max(abs(value), LEAST_SIZE) * SENSITIVITY_STEP
             above, below = (_neighbour(self, name, value + sign * step) for sign in (1, -1))
             columns.append(
@@ -334,7 +336,7 @@ class PeriodicOrbit(Drawable):
         near = float(read_exact("within", within))
         if near <= 0:
             raise ParameterError("within", within, "must be > 0")
-        if scene.parameters != self.parameters:
+        if scene.parameters.parameters != self.parameters.parameters:
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
         (t0, x0, v0) = map(float, (scene.t0, scene.x0, scene.v0))
         length = float(self.period)
@@ -393,7 +395,7 @@ def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:
     """Return times, positions and multipliers, in one list, of the word's orbit at another value of
     `name`.
     """
-    parameters = orbit.parameters.replace(**{name: value})
+    parameters = orbit.parameters.replace(**{name: value}).parameters
     word = Word(orbit.labels)
     equations = ClosingEquations(parameters, word, orbit.periods, SENSITIVITY_DIGITS)
     solution = polish(

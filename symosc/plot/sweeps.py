@@ -339,9 +339,9 @@ def response_figure(
     require(FrequencyResponse, found=found)
     order = np.argsort(found.values)
     # A motion without a word has a blank: a name that takes room and shows nothing.
-    words = np.where(
-        found.status == "rest", "rest", [_cyclic_word(word) or " " for word in found.word]
-    )[order]
+    words = np.where(found.status == "rest", "rest", [str(word) or " " for word in found.word])[
+        order
+    ]
     layout: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
     draw = {letter: partial(_response_panel, letter=letter) for letter in RESPONSE_PANELS}
     with panels_for(found, draw, panels, ax, (3.5, 2.1), **layout) as (drawing, row):
@@ -406,16 +406,6 @@ def _fit_height(axes: Axes, response: FrequencyResponse, drawn: np.ndarray) -> N
             axes.axvline(value, color="0.6", lw=0.8, ls=":", zorder=0)
         axes.text(0.98, 0.94, note, transform=axes.transAxes, ha="right", va="top", fontsize=7)
     axes.set_ylim(0, 1.08 * top)
-
-
-def _cyclic_word(word: str) -> str:
-    """Return the same word for all words of one cycle of mappings, whichever mapping they begin
-    with.
-    """
-    letters = word.removeprefix("P")
-    if letters:
-        return "P" + max(letters[i:] + letters[:i] for i in range(len(letters)))
-    return ""
 
 
 # -- sweeps over two axes --------------------------------------------------------------------------

@@ -46,7 +46,7 @@ from symosc.plot.drawing import (
     read_panels,
     typeset,
 )
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 
 if TYPE_CHECKING:
     from symosc.symbolic.inverse import ParameterRegion
@@ -325,7 +325,7 @@ def sweep_figure(
     >>> drawing.axes[0].get_xlabel()
     '$\\\\Omega$'
     """
-    p = parameters_of(p)
+    p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping, name=name)
     require_or_none(NUMBER, low=low, high=high)
     require(ORDER, order=order)

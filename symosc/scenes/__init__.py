@@ -36,10 +36,11 @@ from symosc.base.quantities import (
     read_number,
     unit_of,
 )
+from symosc.friction import MAPS
 from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Belt, Model, Oscillator, Parameters
 from symosc.reductions import OtherModel, reduced_model, reduced_start, reduced_time
 from symosc.scenes.files import MOST_CHARACTERS, SceneFile, read_scene_file
-from symosc.words import WordError, read_word
+from symosc.words import WordError, of_belts, read_word
 
 #: Parameters or an Oscillator; or a Scene, the name or file of one, or an OtherModel, of which a
 #: public function takes the parameters.
@@ -100,7 +101,8 @@ class Scene(Drawable):
         t0.
     structure : str, optional
         Mapping structure of the periodic orbit that the scene is about, such as "P32". The scene
-        keeps the rotation of `Word.cycle`, as all answers do.
+        keeps the rotation of `Word.cycle`, as all answers do, with one belt in the labels S1, B1
+        and A1.
     source : str
         Where the numbers come from.
     start_error : number or three numbers, optional
@@ -146,7 +148,8 @@ class Scene(Drawable):
     def __post_init__(self) -> None:
         self._check_kinds()
         if self.structure is not None:
-            whole = read_word(self.structure).cycle
+            belts = len(model_of(self.parameters).law.belts)
+            whole = of_belts(read_word(self.structure), belts).cycle
             object.__setattr__(self, "structure", str(whole))
         model: Any = self.parameters
         # The end may be in periods of the drive after t0.
@@ -324,6 +327,34 @@ def parameters_of(what: ParametersLike, name: str = "p") -> Parameters:
     if isinstance(what, Scene) and what.original is not None:
         return what.original.model.parameters
     return model_of(what, name).parameters
+
+
+def parameters_for(what: ParametersLike, **mapping: object) -> Parameters:
+    """Return the parameters of `what` for a function about a mapping, given by the name of its
+    argument.
+
+    Raise ParameterError if the mapping meets belt 2, and there is one belt.
+    """
+    if len(model_of(what).law.belts) == 1:
+        for name, label in mapping.items():
+            row = MAPS.get(label) if isinstance(label, str) else None
+            if row is not None and 2 in (row.start.boundary, row.end.boundary):
+                raise ParameterError(
+                    name, label, "this mapping meets belt 2, and there is one belt"
+                )
+    return parameters_of(what)
+
+
+def belts_of(what: ParametersLike, name: str = "p") -> Model:
+    """Return the oscillator of what `parameters_of` takes, with the belts that it has.
+
+    It is an `Oscillator` if there is one belt, and else `Parameters`.
+    """
+    model = model_of(what, name)
+    p = model.parameters
+    if len(model.law.belts) == 1:
+        return model
+    return p
 
 
 def model_of(what: ParametersLike, name: str = "p") -> Model:

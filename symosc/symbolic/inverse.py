@@ -43,7 +43,7 @@ from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact
 from symosc.kernels.theorem7_cases import Place, place
 from symosc.model import Parameters
-from symosc.scenes import ParametersLike, parameters_of
+from symosc.scenes import ParametersLike, parameters_for
 from symosc.symbolic.latex import latex
 from symosc.symbolic.theorem7 import rational, real, sign_of
 
@@ -520,7 +520,7 @@ def values_containing(
     Interval.open(0, sqrt(2)/3)
     """
     if p is not None:
-        p = parameters_of(p)
+        p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(*NAMES, name=name)
     require_or_none(NUMBER, row_of(2, NUMBER), sp.Interval, theta=theta)
@@ -556,7 +556,7 @@ def values_empty(p: ParametersLike | None, mapping: str, name: str | Sequence[st
     Interval.Lopen(0, 1/3)
     """
     if p is not None:
-        p = parameters_of(p)
+        p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(*NAMES, name=name)
     return _answer(p, GrazingQuestion(mapping, _read_names(mapping, name, p), "empty"), full=True)
@@ -575,7 +575,7 @@ def values_everything(
     Interval.open(0, 1/3)
     """
     if p is not None:
-        p = parameters_of(p)
+        p = parameters_for(p, mapping=mapping)
     require(TEXT, mapping=mapping)
     require(*NAMES, name=name)
     require(ORDER, order=order)
