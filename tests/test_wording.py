@@ -7,6 +7,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import pytest
 from cli_runs import COMMANDS, good, run
@@ -185,6 +186,26 @@ def test_no_word_is_meant_that_is_another() -> None:
     assert meant("panel", ["label", "color"]) == ""
     assert meant("panel", ["label", "panels"]) == "; did you mean panels?"
     assert meant("mu3", ["mu1", "mu2", "FN"]) == "; did you mean mu1 or mu2?"
+
+
+@pytest.mark.parametrize(
+    ("call", "right"),
+    [
+        (lambda: simulate(FIG9, T=3), "t_end"),
+        (lambda: simulate(FIG9, t_final=3), "t_end"),
+        (lambda: simulate(FIG9, y0=[0, 1]), "x0 or v0"),
+        (lambda: simulate(FIG9, precision=30), "digits"),
+        (lambda: simulate(FIG9, rtol=1e-9), "accuracy"),
+        (lambda: simulate_many(FIG9.parameters, [0, 0, 0], 3, n_jobs=2), "workers"),
+        (lambda: FIG9.parameters.replace(mass=2), "m"),
+        (lambda: FIG9.parameters.replace(frequency=2), "Omega"),
+        (lambda: symosc.Belt(0, mu_k=1), "mu"),
+        (lambda: symosc.find_orbit(FIG9, structure="P32"), "word"),
+        (lambda: symosc.plot.figure(FIG9, size=(3, 2)), "figsize"),
+    ],
+)
+def test_names_of_other_programs_suggest_the_right_one(call: Callable[[], Any], right: str) -> None:
+    assert refusal(call).endswith(f"; did you mean {right}?")
 
 
 # --- messages ---

@@ -11,6 +11,27 @@ LONGEST_VALUE = 80
 # How alike a word must be to be suggested: of five letters one may differ, not two, since who
 # writes "panel" does not mean "label".
 LEAST_LIKENESS = 0.65
+#: What users of other programs write for a name, though the two may not be alike.
+OTHER_NAMES = {
+    "t_end": ("T", "t1", "tf", "t_final", "t_max", "tmax", "t_stop", "tstop", "t_span", "duration"),
+    "x0": ("y0", "start", "initial"),
+    "v0": ("y0", "start", "initial"),
+    "digits": ("dps", "prec", "precision"),
+    "accuracy": ("tol", "rtol", "atol", "tolerance"),
+    "tolerance": ("tol", "rtol", "atol", "accuracy"),
+    "word": ("structure", "mapping"),
+    "skip": ("transient", "burn_in"),
+    "workers": ("jobs", "n_jobs", "threads", "ncores", "processes"),
+    "progress": ("verbose",),
+    "figsize": ("size", "width", "height"),
+    "m": ("mass",),
+    "c": ("damping", "damper"),
+    "k": ("stiffness", "spring"),
+    "Omega": ("frequency", "w"),
+    "v": ("speed", "velocity"),
+    "mu": ("mu_k", "mu_d", "kinetic"),
+    "mu_s": ("mu_static", "static"),
+}
 
 
 def shown(value: object) -> str:
@@ -217,9 +238,12 @@ def meant(word: object, known: Iterable[str]) -> str:
     """
     from difflib import SequenceMatcher
 
-    likeness = {
-        name: SequenceMatcher(None, name.lower(), str(word).lower()).ratio() for name in known
-    }
+    known = list(known)
+    written = str(word).lower()
+    alike = [name for name in known if written in map(str.lower, OTHER_NAMES.get(name, ()))]
+    if alike:
+        return f"; did you mean {' or '.join(alike)}?"
+    likeness = {name: SequenceMatcher(None, name.lower(), written).ratio() for name in known}
     best = max([LEAST_LIKENESS, *likeness.values()])
     alike = [name for name, ratio in likeness.items() if ratio >= best]
     if 1 <= len(alike) <= 3:  # more would be no help

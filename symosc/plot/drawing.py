@@ -13,7 +13,7 @@ from inspect import signature
 from io import BytesIO
 from pathlib import Path
 from string import ascii_lowercase
-from typing import Any
+from typing import Any, TypeAlias
 
 from matplotlib import rc_context, rcParams, rcParamsDefault
 from matplotlib.artist import ArtistInspector
@@ -23,10 +23,11 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
-from symosc.base.aliases import Record
-from symosc.base.arguments import FILE, TEXT, Kind, public, require, require_or_none
+from symosc.base.aliases import NumberLike, Record
+from symosc.base.arguments import FILE, NUMBER, TEXT, Kind, public, require, require_or_none, row_of
 from symosc.base.display.latex import latex_text
 from symosc.base.errors import OutputError, ParameterError, brief, meant
+from symosc.base.exact import read_exact
 from symosc.base.files import STDOUT, read_path, write_whole
 from symosc.base.quantities import QUANTITIES
 
@@ -53,6 +54,10 @@ STYLE: dict[Any, Any] = {
     "svg.hashsalt": "symosc",  # the same figure gives the same file
 }
 
+#: Width and height of a figure in inches; None: the usual ones.
+FigureSize: TypeAlias = "tuple[NumberLike, NumberLike] | None"
+#: The least and the greatest width and height of a figure, in inches.
+SIZES = (0.5, 200.0)
 #: Letters of parameters and of the numbers of a start, for axes.
 FIGURE = Kind("a figure, such as plot.figure(...) returns", lambda kind: issubclass(kind, Figure))
 PARAMETER_LABELS = {name: f"${quantity.letter}$" for name, quantity in QUANTITIES.items()}
@@ -90,22 +95,47 @@ def own_style() -> Iterator[None]:
         yield
 
 
+def read_size(
+    figsize: FigureSize, ax: Axes | None, usual: tuple[float, float]
+) -> tuple[float, float]:
+    """Return the size of a figure in inches: `figsize`, or if that is None the `usual` one.
+
+    ParameterError unless `figsize` is a width and a height, without axes given by the user.
+    """
+    if figsize is None:
+        return usual
+    require(row_of(2, NUMBER), figsize=figsize)
+    if ax is not None:
+        raise ParameterError(
+            "figsize", figsize, "must be omitted with ax=, whose figure has a size"
+        )
+    width, height = (float(read_exact("figsize", side)) for side in figsize)
+    low, high = SIZES
+    if not (low <= width <= high and low <= height <= high):
+        allowed = f"must be width and height in inches, each from {low:g} to {high:g}"
+        raise ParameterError("figsize", figsize, allowed)
+    return width, height
+
+
 @contextmanager
 def axes_for(
     ax: Axes | None,
     size: tuple[float, float],
     count: int = 1,
     *,
+    figsize: FigureSize = None,
     columns: int | None = None,
     letter_at: float | None = None,
 ) -> Iterator[tuple[Figure, Any]]:
     """Yield a figure and a list of its axes: new ones in the style of symosc or, if `ax` is given,
     its figure and `ax`.
 
-    `size` in inches, `count`, `columns` and `letter_at` are for a new figure. It has `count` axes:
+    `size` in inches, which a `figsize` of the user replaces, `count`, `columns` and `letter_at` are
+    for a new figure. It has `count` axes:
     in one row, or in `columns` with one common horizontal axis below. If they are several, letters
     (a), (b) ... stand above them at the horizontal place `letter_at`, unless it is None.
     """
+    size = read_size(figsize, ax, size)
     if ax is not None:
         yield figure_of(ax), [ax]
         return
@@ -137,6 +167,7 @@ def panels_for(
     ax: Axes | None,
     size: tuple[float, float],
     *,
+    figsize: FigureSize = None,
     alone: str = "a",
     more: float = 0.0,
     columns: int | None = None,
@@ -150,7 +181,7 @@ def panels_for(
 
     `answer` is the result to draw. `panels` has the letters; None means all or, if the user gives
     `ax`, only the panel `alone`. A panel has this `size` in inches; `more` inches are added to the
-    height of the figure.
+    height of the figure. A `figsize` of the user is that of the whole figure.
     """
     letters = read_panels(panels, draw, ax, alone)
     if columns is None:
@@ -161,6 +192,7 @@ def panels_for(
     rows = -(-len(letters) // across)  # rounded up
     figure_size = width * across, more + height * rows
     layout: Record = {"columns": None if columns is None else across, "letter_at": letter_at}
+    layout["figsize"] = figsize
     with axes_for(ax, figure_size, len(letters), **layout) as (drawing, axes):
         for panel, letter in zip(axes, letters, strict=True):
             draw[letter](panel, answer)

@@ -32,9 +32,11 @@ from symosc.base.quantities import read_number
 from symosc.plot import drawing as common
 from symosc.plot.drawing import (
     PARAMETER_LABELS,
+    FigureSize,
     axes_for,
     panels_for,
     read_panels,
+    read_size,
     typeset,
     write_above,
 )
@@ -87,6 +89,7 @@ def figure(
     columns: int = 2,
     skip: NumberLike | None = None,
     ax: Axes | None = None,
+    figsize: FigureSize = None,
     **style: Any,
 ) -> Figure:
     """Draw a motion: displacement, velocity, phase plane and forces.
@@ -117,6 +120,8 @@ def figure(
     ax : matplotlib.axes.Axes, optional
         Axes to draw one panel into, without insets. Their figure is returned, a legend is left to
         the caller.
+    figsize : (number, number), optional
+        Width and height of the figure in inches. Default: enough for its panels.
     **style
         Properties of matplotlib's lines for the curves, such as ``color="black"`` or
         ``linewidth=2``. The two forces of a panel keep their colours. What you set in
@@ -157,6 +162,7 @@ def figure(
     else:
         since = _time_after(motion, skip)
     view = view_of(motion, boundary, since=since, style=common.read_style(style, figure))
+    read_size(figsize, ax, (0.0, 0.0))
     if ax is not None:
         PANELS[panels](ax, view)
         return common.figure_of(ax)
@@ -168,9 +174,8 @@ def figure(
         width = 7.0
     else:
         width = 3.4
-    return assemble(
-        [(PANELS[letter], view) for letter in panels], min(columns, len(panels)), width, tall=tall
-    )
+    drawn = [(PANELS[letter], view) for letter in panels]
+    return assemble(drawn, min(columns, len(panels)), width, tall=tall, figsize=figsize)
 
 
 def _time_after(motion: Trajectory, skip: NumberLike) -> float:
@@ -215,6 +220,7 @@ def orbit_figure(
     *,
     columns: int = 2,
     ax: Axes | None = None,
+    figsize: FigureSize = None,
     **style: Any,
 ) -> Figure:
     """Draw a periodic orbit for a few periods.
@@ -246,6 +252,7 @@ def orbit_figure(
         boundary=orbit.equations().pieces[0].start,
         columns=columns,
         ax=ax,
+        figsize=figsize,
         **style,
     )
 
@@ -280,10 +287,15 @@ def default_panels(scene: Scene) -> str:
 
 @common.own_style()
 def assemble(
-    panels: Sequence[tuple[Panel, View]], columns: int, width: float, *, tall: int | None = None
+    panels: Sequence[tuple[Panel, View]],
+    columns: int,
+    width: float,
+    *,
+    tall: int | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
-    """Draw panels into one figure of this width in inches, with a letter for each and one legend
-    below them.
+    """Draw panels into one figure of this width in inches, or of `figsize`, with a letter for each
+    and one legend below them.
 
     The panels stand in as many columns as `columns` says. If `tall` is given, the panel with this
     index is made taller, and the insets of its view stand above it.
@@ -295,7 +307,9 @@ def assemble(
     if tall is not None:
         heights[tall // columns] *= 1 + INSET_ROOM  # the panel itself is as high as the others
     layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.04)
-    drawing = common.Drawing(figsize=(width, sum(heights) + 0.35), layout=layout)
+    size = read_size(figsize, None, (width, sum(heights) + 0.35))
+    width, _ = size
+    drawing = common.Drawing(figsize=size, layout=layout)
     grid = drawing.add_gridspec(len(heights), columns, height_ratios=heights)
     for number, (panel, view) in enumerate(panels):
         cell = grid[number // columns, number % columns]
@@ -320,7 +334,7 @@ def assemble(
     order = [label for label in LEGEND_ORDER if label in entries]
     order += [label for label in entries if label not in order]  # the forces
     # In a row at most one entry for each inch of width.
-    legend_rows = -(-len(order) // round(width))
+    legend_rows = -(-len(order) // max(1, round(width)))
     if legend_rows == 2:
         # It is filled by columns: lines, sticks and forces first, so that pairs stand in one.
         pairs = ("mass", "belt", "onset of stick", "end of stick")
@@ -350,7 +364,9 @@ STABILITY_STYLES: Record = {"stable": "-", "marginal": "-.", "not stable": (0, (
 
 
 @public
-def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
+def branch_figure(
+    branch: Branch, panels: str | None = None, *, ax: Axes | None = None, figsize: FigureSize = None
+) -> Figure:
     """Draw a branch: position at each switching and moduli of the multipliers over the parameter.
 
     Solid lines are stable orbits. Dash-dotted ones are marginal: a multiplier is on the unit
@@ -360,7 +376,7 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     Parameters
     ----------
     branch : Branch
-    panels, ax : optional
+    panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a positions, b multipliers. Default: both, with
         `ax` b.
 
@@ -376,7 +392,10 @@ def branch_figure(branch: Branch, panels: str | None = None, *, ax: Axes | None 
     require(Branch, branch=branch)
     layout: Record = {"alone": "b", "letter_at": -0.12}
     # `panels_for` has drawn the panels when it yields their axes.
-    with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), **layout) as (drawing, row):
+    with panels_for(branch, BRANCH_PANELS, panels, ax, (3.5, 3.1), figsize=figsize, **layout) as (
+        drawing,
+        row,
+    ):
         for axes in row:
             axes.set_xlabel(PARAMETER_LABELS.get(branch.parameter, f"${branch.parameter}$"))
             for end in branch.ends:
@@ -558,7 +577,11 @@ WORD_OFFSET = 11.0  # of the words beside a border, in points
 
 @public
 def border_figure(
-    border: Border | Sequence[Border], *, ax: Axes | None = None, **style: Any
+    border: Border | Sequence[Border],
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
+    **style: Any,
 ) -> Figure:
     """Draw borders in their plane of two parameters, with the special points, and the words on both
     sides.
@@ -594,7 +617,7 @@ def border_figure(
         )
     names = borders[0].parameters
     line_style = common.read_style(style, border_figure)
-    with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
+    with axes_for(ax, (4.6, 3.4), figsize=figsize) as (drawing, (axes,)):
         for curve in borders:
             columns = [curve.parameters.index(name) for name in names]
             name = curve.sliding or curve.kind

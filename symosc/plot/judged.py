@@ -29,7 +29,15 @@ from symosc.certificates.certificate import Certificate
 from symosc.crosschecks.causes import CAUSES
 from symosc.crosschecks.faults import REASONS, Fault
 from symosc.crosschecks.report import CrossCheck
-from symosc.plot.drawing import STYLE, add_legend, axes_for, draw_belts, panels_for, shown_name
+from symosc.plot.drawing import (
+    STYLE,
+    FigureSize,
+    add_legend,
+    axes_for,
+    draw_belts,
+    panels_for,
+    shown_name,
+)
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Event
 
@@ -53,7 +61,11 @@ ABOVE_EACH_OTHER: Record = {"more": 0.8, "columns": 1, "letter_at": -0.07}
 
 @public
 def crosscheck_figure(
-    check: CrossCheck, panels: str | None = None, *, ax: Axes | None = None
+    check: CrossCheck,
+    panels: str | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw a cross-check against time: global errors, defects of the steps, and the velocity.
 
@@ -63,7 +75,7 @@ def crosscheck_figure(
     Parameters
     ----------
     check : CrossCheck
-    panels, ax : optional
+    panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a global errors, b defects, c velocity. Default:
         all, with `ax` a.
 
@@ -91,7 +103,10 @@ def crosscheck_figure(
         "b": partial(_errors, of_steps=True),
         "c": _velocity,
     }
-    with panels_for(check, draw, panels, ax, (7.0, 1.6), **ABOVE_EACH_OTHER) as (drawing, row):
+    with panels_for(check, draw, panels, ax, (7.0, 1.6), figsize=figsize, **ABOVE_EACH_OTHER) as (
+        drawing,
+        row,
+    ):
         for axes in row:
             for name, events, style in marks:
                 for event in events:
@@ -142,13 +157,15 @@ def _velocity(ax: Axes, check: CrossCheck) -> None:
 
 
 @public
-def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None) -> Figure:
+def fit_figure(
+    found: Fit, panels: str | None = None, *, ax: Axes | None = None, figsize: FigureSize = None
+) -> Figure:
     """Draw a fit against time: the fitted motion with what was measured, and the residuals.
 
     Parameters
     ----------
     found : Fit
-    panels, ax : optional
+    panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a motion and data, b residuals. Default: both,
         with `ax` a.
 
@@ -161,7 +178,9 @@ def fit_figure(found: Fit, panels: str | None = None, *, ax: Axes | None = None)
     """
     require(Fit, found=found)
     # `panels_for` has drawn the panels when it yields their axes.
-    with panels_for(found, FIT_PANELS, panels, ax, (7.0, 1.7), **ABOVE_EACH_OTHER) as (
+    with panels_for(
+        found, FIT_PANELS, panels, ax, (7.0, 1.7), figsize=figsize, **ABOVE_EACH_OTHER
+    ) as (
         drawing,
         row,
     ):
@@ -226,7 +245,12 @@ FIT_PANELS = {"a": _motion_and_data, "b": _residuals}
 
 @public
 def step_figure(
-    check: CrossCheck, step: int | None = None, panels: str | None = None, *, ax: Axes | None = None
+    check: CrossCheck,
+    step: int | None = None,
+    panels: str | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw one step of a cross-check: the exact motion from its first sample on, and the samples
     about it.
@@ -237,7 +261,7 @@ def step_figure(
     step : int, optional
         From sample `step` to the next one. Default: the first wrong step, or the first step if none
         is wrong.
-    panels, ax : optional
+    panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a velocity, b position. Default: both, with `ax`
         a.
 
@@ -261,7 +285,10 @@ def step_figure(
     step = whole_number("step", step, 0, len(check.t) - 2)
     draw = {"a": partial(_step_panel, step=step, of_velocity=True)}
     draw["b"] = partial(_step_panel, step=step, of_velocity=False)
-    with panels_for(check, draw, panels, ax, (4.6, 1.9), more=1.0, columns=1) as (drawing, row):
+    with panels_for(check, draw, panels, ax, (4.6, 1.9), figsize=figsize, more=1.0, columns=1) as (
+        drawing,
+        row,
+    ):
         row[-1].set_xlabel("$t$")
         add_legend(drawing, ax, row[:1], 2)
     return drawing
@@ -475,7 +502,9 @@ def _picture(drawing: Figure, pixels: bool, title: str, caption: str) -> Record:
 
 
 @public
-def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> Figure:
+def certificate_figure(
+    certificate: Certificate, *, ax: Axes | None = None, figsize: FigureSize = None
+) -> Figure:
     """Draw the widths of the proven enclosures of an orbit's or a motion's events against time.
 
     Parameters
@@ -503,7 +532,7 @@ def certificate_figure(certificate: Certificate, *, ax: Axes | None = None) -> F
         ("time $t$", "#1f3fd6", "o", t_bounds),
         ("position $x$", "#d7191c", "s", x_bounds),
     )
-    with axes_for(ax, (4.6, 3.0)) as (drawing, (axes,)):
+    with axes_for(ax, (4.6, 3.0), figsize=figsize) as (drawing, (axes,)):
         for name, color, shape, bounds in curves:
             # A logarithmic axis cannot show a width of 0.
             widths = [max(float(Decimal(high) - Decimal(low)), 1e-30) for low, high in bounds]

@@ -17,7 +17,7 @@ from symosc.base.errors import ParameterError
 from symosc.base.quantities import read_number
 from symosc.model import Band, Oscillator, Parameters
 from symosc.plot import drawing as common
-from symosc.plot.drawing import axes_for
+from symosc.plot.drawing import FigureSize, axes_for
 from symosc.plot.panels import AXIS_LABELS, MASS_COLOR, ONSET_COLOR
 from symosc.scenes import ParametersLike, model_of
 
@@ -36,6 +36,7 @@ def friction_figure(
     *,
     v: tuple[NumberLike, NumberLike] | None = None,
     ax: Axes | None = None,
+    figsize: FigureSize = None,
     **style: Any,
 ) -> Figure:
     """Draw the friction force over the velocity of the mass.
@@ -67,7 +68,7 @@ def friction_figure(
     oscillator = _with_bands(model_of(p))
     low, high = _range(oscillator, v)
     line_style = common.read_style(style, friction_figure)
-    with axes_for(ax, (3.8, 2.8)) as (drawing, (axes,)):
+    with axes_for(ax, (3.8, 2.8), figsize=figsize) as (drawing, (axes,)):
         axes.axhline(0.0, color="0.4", lw=0.6, zorder=1)
         speeds, forces = _kinetic(oscillator, low, high)
         look: Record = {"color": MASS_COLOR, "linewidth": 1.6, "label": "slips: one value"}

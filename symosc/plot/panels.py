@@ -254,6 +254,15 @@ def _sample_times(trajectory: Trajectory, sampling: Sampling, since: float) -> n
 # --- the panels ---
 
 AXIS_LABELS = {"t": "time $t$", "x": "displacement $x$", "v": r"velocity $\dot{x}$"}
+#: Their units, that of the forces per mass F, and that of products of these.
+AXIS_UNITS = {"t": "s", "x": "m", "v": "m/s", "F": "m/s$^2$", "FF": "m$^2$/s$^4$"}
+
+
+def _with_unit(text: str, quantity: str, view: View) -> str:
+    """Return the label of an axis, with the unit of the quantity if the view has units."""
+    if view.trajectory.in_si:
+        return f"{text} ({AXIS_UNITS[quantity]})"
+    return text
 
 
 def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
@@ -266,7 +275,7 @@ def _motion_panel(ax: Axes, view: View, across: str, up: str) -> None:
         "label": "mass",
     } | view.style
     ax.plot(getattr(view, across), getattr(view, up), **style)
-    ax.set_ylabel(AXIS_LABELS[up])
+    ax.set_ylabel(_with_unit(AXIS_LABELS[up], up, view))
     if up == "x":
         _belt_points(ax, view)
     elif across == "t" or not view.belts_move:
@@ -306,7 +315,8 @@ def _force_panel(ax: Axes, view: View, across: str) -> None:
         _hold_bands(ax, view)
     for domain in (below, above):
         _draw_marks(ax, view, marks, across, partial(force, domain))
-    ax.set_ylabel(f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$")
+    forces = f"forces per mass $F^{{({below})}}$, $F^{{({above})}}$"
+    ax.set_ylabel(_with_unit(forces, "F", view))
     if across == "t":
         crossings = [mark.t for mark in marks if mark.label == "crossing"]
         ax.vlines(
@@ -353,7 +363,7 @@ def _product_panel(ax: Axes, view: View) -> None:
         factors = f"(F^{{({below})}} + E)\\, (F^{{({above})}} - E)"
     else:
         factors = f"F^{{({below})}}\\, F^{{({above})}}"
-    ax.set_ylabel(f"product ${factors}$")
+    ax.set_ylabel(_with_unit(f"product ${factors}$", "FF", view))
     _horizontal_axis(ax, view, "t")
 
 
@@ -378,7 +388,7 @@ def _horizontal_axis(ax: Axes, view: View, across: str) -> None:
     # A motion may be too short for doubles to tell its end from its start.
     if across == "t" and view.t[0] < view.t[-1]:
         ax.set_xlim(view.t[0], view.t[-1])
-    ax.set_xlabel(AXIS_LABELS[across])
+    ax.set_xlabel(_with_unit(AXIS_LABELS[across], across, view))
 
 
 def _belt_points(ax: Axes, view: View) -> None:

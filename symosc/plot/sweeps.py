@@ -29,6 +29,7 @@ from symosc.base.errors import ParameterError
 from symosc.engine.events import KIND_NAMES
 from symosc.plot.drawing import (
     PARAMETER_LABELS,
+    FigureSize,
     add_legend,
     axes_for,
     draw_belts,
@@ -138,7 +139,11 @@ def label(name: str) -> str:
 
 @public
 def swept_figure(
-    dataset: xarray.Dataset | SweptDataset, name: str | None = None, *, ax: Axes | None = None
+    dataset: xarray.Dataset | SweptDataset,
+    name: str | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw the result of a sweep as a curve or a map, by its number of axes.
 
@@ -169,17 +174,21 @@ def swept_figure(
     column = read_column(data, name)
     axes = axes_of(column)
     if column.name == "section":
-        return bifurcation_figure(data, ax=ax)
+        return bifurcation_figure(data, ax=ax, figsize=figsize)
     if len(axes) == 1:
-        return curve_figure(data, column.name, ax=ax)
+        return curve_figure(data, column.name, ax=ax, figsize=figsize)
     if set(axes) == {"x0", "v0"}:
-        return basin_figure(data, column.name, ax=ax)
-    return map_figure(data, column.name, ax=ax)
+        return basin_figure(data, column.name, ax=ax, figsize=figsize)
+    return map_figure(data, column.name, ax=ax, figsize=figsize)
 
 
 @public
 def bifurcation_figure(
-    dataset: xarray.Dataset, component: Literal["x", "v"] = "x", *, ax: Axes | None = None
+    dataset: xarray.Dataset,
+    component: Literal["x", "v"] = "x",
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw the section of a sweep over one axis: a point for each recorded period.
 
@@ -205,7 +214,7 @@ def bifurcation_figure(
     (name,) = read_axes(one_start, 1, "a bifurcation diagram")
     points = section.transpose(name, ...).values.reshape(section.sizes[name], -1)
     values = section[name].values
-    with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
+    with axes_for(ax, (5.0, 3.4), figsize=figsize) as (drawing, (axes,)):
         _scatter(axes, np.repeat(values, points.shape[1]), points.ravel())
         axes.set(
             xlabel=label(name),
@@ -237,7 +246,11 @@ def _mark_changes(axes: Axes, values: np.ndarray, words: np.ndarray, named: bool
 
 @public
 def curve_figure(
-    dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None
+    dataset: xarray.Dataset,
+    name: str | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw a column against one parameter: numbers as a curve, words as levels.
 
@@ -257,7 +270,7 @@ def curve_figure(
     column = column.sortby(axis)
     column_values = column.values
     values = column[axis].values
-    with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
+    with axes_for(ax, (5.0, 3.4), figsize=figsize) as (drawing, (axes,)):
         if column_values.dtype.kind in "UO":
             words, levels = np.unique(column_values.astype(str), return_inverse=True)
             axes.plot(values, levels, linestyle="none", marker="o", ms=2.5, color="black")
@@ -313,7 +326,11 @@ FEW_POINTS = 40
 
 @public
 def response_figure(
-    found: FrequencyResponse, panels: str | None = None, *, ax: Axes | None = None
+    found: FrequencyResponse,
+    panels: str | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw a frequency response.
 
@@ -322,7 +339,7 @@ def response_figure(
     Parameters
     ----------
     found : FrequencyResponse
-    panels, ax : optional
+    panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a amplitude, with that of harmonic balance, b
         transmissibility, c phase, d energies per cycle, e share of the time stuck, f error of
         harmonic balance. Default: all, with `ax` a.
@@ -344,7 +361,10 @@ def response_figure(
     ]
     layout: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
     draw = {letter: partial(_response_panel, letter=letter) for letter in RESPONSE_PANELS}
-    with panels_for(found, draw, panels, ax, (3.5, 2.1), **layout) as (drawing, row):
+    with panels_for(found, draw, panels, ax, (3.5, 2.1), figsize=figsize, **layout) as (
+        drawing,
+        row,
+    ):
         for axes in row:
             axes.set_xlim(found.values.min(), found.values.max())
             _mark_changes(axes, found.values[order], words, named=axes is row[0])
@@ -417,7 +437,11 @@ Look = tuple[str, Any, str]
 
 @public
 def map_figure(
-    dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None
+    dataset: xarray.Dataset,
+    name: str | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw a map over two axes, the first one across; arguments as for `swept_figure`.
 
@@ -434,10 +458,10 @@ def map_figure(
     """
     require(DATASET, dataset=dataset)
     require_or_none(TEXT, name=name)
-    return _map(dataset, read_column(dataset, name), ax)
+    return _map(dataset, read_column(dataset, name), ax, figsize)
 
 
-def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
+def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None, figsize: FigureSize) -> Figure:
     """Draw a column as a map over its two swept axes, with the belts if the vertical axis is v0.
 
     Return the figure.
@@ -452,7 +476,7 @@ def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
     edges = x_edges, y_edges
     are_words = values.dtype.kind in "UO"
     are_whole = values.dtype.kind in "iu"
-    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
+    with axes_for(ax, (5.2, 3.8), figsize=figsize) as (drawing, (axes,)):
         if are_words or (are_whole and len(np.unique(values)) <= MOST_WHOLE_CLASSES):
             codes, looks = classes_of(values, unknown)
             _draw_classes(axes, edges, codes, looks, label(str(column.name)), new=ax is None)
@@ -477,7 +501,11 @@ def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None) -> Figure:
 
 @public
 def basin_figure(
-    dataset: xarray.Dataset, name: str | None = None, *, ax: Axes | None = None
+    dataset: xarray.Dataset,
+    name: str | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw where starts in the phase plane lead: a map over x0 and v0 with the belts.
 
@@ -497,7 +525,7 @@ def basin_figure(
         raise ParameterError(
             "dataset", "axes " + ", ".join(map(str, column.dims)), "a basin has the axes x0 and v0"
         )
-    return _map(dataset, column.transpose("x0", "v0"), ax)
+    return _map(dataset, column.transpose("x0", "v0"), ax, figsize)
 
 
 def classes_of(values: np.ndarray, undecidable: np.ndarray) -> tuple[np.ndarray, list[Look]]:
@@ -642,7 +670,9 @@ def _cell_edges(values: np.ndarray) -> np.ndarray:
 
 
 @public
-def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
+def events_figure(
+    events: EventTable, *, ax: Axes | None = None, figsize: FigureSize = None
+) -> Figure:
     """Draw the events that `symosc.simulate_many` returns: time across, one line of marks for each
     motion.
 
@@ -654,7 +684,7 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
     ['motion']
     """
     require(EventTable, events=events)
-    with axes_for(ax, (5.0, 3.4)) as (drawing, (axes,)):
+    with axes_for(ax, (5.0, 3.4), figsize=figsize) as (drawing, (axes,)):
         # Marks of more events are smaller: all together they cover about the same area, that of 200
         # marks in full size.
         scale = max(0.6 / 5, min(1.0, (200 / max(len(events), 1)) ** 0.5))
@@ -680,7 +710,9 @@ def events_figure(events: EventTable, *, ax: Axes | None = None) -> Figure:
 
 
 @public
-def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None = None) -> Figure:
+def summary_figure(
+    summary: Summary, name: str | None = None, *, ax: Axes | None = None, figsize: FigureSize = None
+) -> Figure:
     """Draw the summary of many motions.
 
     Parameters
@@ -712,7 +744,7 @@ def summary_figure(summary: Summary, name: str | None = None, *, ax: Axes | None
             "name", name, f"must be a recorded column: {', '.join(columns) or 'none'}"
         )
     values = columns[name]
-    with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
+    with axes_for(ax, (4.6, 3.4), figsize=figsize) as (drawing, (axes,)):
         if name == "section":
             _scatter(axes, *values.reshape(-1, 2).T)
             axes.set(xlabel=COMPONENT_LABELS["x"], ylabel=COMPONENT_LABELS["v"])
@@ -759,7 +791,7 @@ ATLAS_COLORS = (*WORD_COLORS[:6], "#e0e0e0")
 
 
 @public
-def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
+def atlas_figure(atlas: Atlas, *, ax: Axes | None = None, figsize: FigureSize = None) -> Figure:
     """Draw an atlas: proven boxes in colours, what is not proven hatched, borders by kind, and
     special points.
 
@@ -776,7 +808,7 @@ def atlas_figure(atlas: Atlas, *, ax: Axes | None = None) -> Figure:
     words = [region.word for region in atlas.regions if region.word]
     colours = {word: ATLAS_COLORS[min(i, len(ATLAS_COLORS) - 1)] for i, word in enumerate(words)}
     entries: dict[str, Any] = {}
-    with axes_for(ax, (5.2, 3.8)) as (drawing, (axes,)):
+    with axes_for(ax, (5.2, 3.8), figsize=figsize) as (drawing, (axes,)):
         for word, colour in colours.items():
             boxes = [corners(box.range) for box in atlas.boxes if box.word == word]
             axes.add_collection(

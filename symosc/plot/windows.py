@@ -39,11 +39,13 @@ from symosc.model import Parameters
 from symosc.plot import drawing as common
 from symosc.plot.drawing import (
     PARAMETER_LABELS,
+    FigureSize,
     add_legend,
     axes_for,
     legend_entries,
     panels_for,
     read_panels,
+    read_size,
     typeset,
 )
 from symosc.scenes import ParametersLike, parameters_for
@@ -80,6 +82,7 @@ def window_figure(
     *,
     panels: str | None = None,
     ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw windows, one row each.
 
@@ -92,7 +95,7 @@ def window_figure(
     windows : GrazingWindow or sequence of them
     plane : callable, optional
         Draws the grazing curve of a window on the switching plane, into axes of a third column.
-    panels, ax : optional
+    panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a circle, b contacts. Default: both, with `ax`
         a.
 
@@ -114,6 +117,8 @@ def window_figure(
         raise ParameterError("windows", windows, "must be at least one")
     draw = {"a": _circle, "b": _contacts}
     panels = read_panels(panels, draw, ax)
+    columns = [draw[letter] for letter in panels] + ([] if plane is None else [plane])
+    size = read_size(figsize, ax, (1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2))
     if ax is not None:
         if len(chosen) > 1:
             raise ParameterError(
@@ -123,11 +128,8 @@ def window_figure(
             )
         draw[panels](ax, chosen[0])
         return common.figure_of(ax)
-    columns = [draw[letter] for letter in panels] + ([] if plane is None else [plane])
     with common.own_style():
-        drawing = common.Drawing(
-            figsize=(1.2 + 2.9 * len(columns), 2.5 * len(chosen) + 0.2), layout="constrained"
-        )
+        drawing = common.Drawing(figsize=size, layout="constrained")
         widths = [1.0 if column is _circle else 1.5 for column in columns]
         grid = drawing.subplots(len(chosen), len(columns), squeeze=False, width_ratios=widths)
         for row, window in zip(grid, chosen, strict=True):
@@ -301,6 +303,7 @@ def sweep_figure(
     order: Order = "full",
     *,
     ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw the grazing window of a mapping against one parameter: the phases between Theta_cr and
     pi - Theta_cr.
@@ -339,7 +342,7 @@ def sweep_figure(
         amplitudes = np.full_like(values, float(p.B0))
     # Where side B0 > 0, the window is where sin(theta) is above sin(Theta_cr), else below.
     above = place(mapping).side * amplitudes
-    with axes_for(ax, (4.6, 3.4)) as (drawing, (axes,)):
+    with axes_for(ax, (4.6, 3.4), figsize=figsize) as (drawing, (axes,)):
         _window_areas(axes, values, columns, above)
         _draw_critical_phases(axes, values, columns)
         # At equality a window may have or lack a single phase.
@@ -501,6 +504,7 @@ def region_figure(
     second: tuple[NumberLike, NumberLike] | None = None,
     *,
     ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw a region of two parameters, the first one to the right and the second one up.
 
@@ -536,7 +540,7 @@ def region_figure(
     allowed = _margin(region.allowed, region.letters, x, y, 0.0)
     inside = _margin(region.condition, region.letters, x, y, 0.0)
     closed = _margin(region.condition, region.letters, x, y, 1.0)
-    with axes_for(ax, (4.6, 3.9)) as (drawing, (axes,)):
+    with axes_for(ax, (4.6, 3.9), figsize=figsize) as (drawing, (axes,)):
         shown = _region_areas(axes, x, y, inside, allowed)
         shown += _region_borders(axes, x, y, np.where(allowed < 0, np.nan, inside), closed > inside)
         shown += _mark_given(axes, region, spans)
@@ -689,7 +693,11 @@ ANGLE_TICKS = {
 
 @public
 def figure_grazing_curve(
-    curve: GrazingCurve, panels: str | None = None, *, ax: Axes | None = None
+    curve: GrazingCurve,
+    panels: str | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
 ) -> Figure:
     """Draw a grazing curve.
 
@@ -701,7 +709,7 @@ def figure_grazing_curve(
     Parameters
     ----------
     curve : GrazingCurve
-    panels, ax : optional
+    panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a switching plane, b flight. Default: both, with
         `ax` a.
 
@@ -714,7 +722,7 @@ def figure_grazing_curve(
     """
     require(GrazingCurve, curve=curve)
     # `panels_for` has drawn the panels when it yields their axes.
-    with panels_for(curve, CURVE_PANELS, panels, ax, (3.5, 3.2)) as (drawing, _):
+    with panels_for(curve, CURVE_PANELS, panels, ax, (3.5, 3.2), figsize=figsize) as (drawing, _):
         return drawing
 
 

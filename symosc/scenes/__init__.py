@@ -114,6 +114,9 @@ class Scene(Drawable):
         The model and the start that were given, if they are of another model. A copy with other
         numbers, such as ``dataclasses.replace`` makes, has none; `started` and `changed` keep to
         the model.
+    in_si : bool
+        Whether the numbers are in kg, m, s, N and rad, so that figures name the units. It is True
+        for a file in which a number has a unit; not compared.
 
     Raises
     ------
@@ -144,6 +147,7 @@ class Scene(Drawable):
     start_error: tuple[Fraction, Fraction, Fraction] | None = None
     notes: tuple[str, ...] = field(default=(), compare=False, repr=False)
     original: Original | None = None
+    in_si: bool = field(default=False, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         self._check_kinds()
@@ -193,6 +197,7 @@ class Scene(Drawable):
                 self.parameters,
                 "must be Parameters, an Oscillator or an OtherModel",
             )
+        require(FLAG, in_si=self.in_si)
         if not isinstance(self.original, Original | None):
             raise ParameterError(
                 "original", self.original, "must be None, or what a scene of an OtherModel keeps"
@@ -556,6 +561,7 @@ def read_scene(text: str, where: str) -> Scene:
             structure=data.get("structure"),
             source=data.get("source", ""),
             notes=tuple(file.notes),
+            in_si=file.has_units,
             **data["start"],
         )
     except ParameterError as error:

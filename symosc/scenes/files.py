@@ -11,7 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, SceneError, SymoscError, brief, meant
 from symosc.base.exact import show
-from symosc.base.quantities import forcing_periods, read_number
+from symosc.base.quantities import forcing_periods, is_quantity, read_number
 from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES
 from symosc.reductions import MODEL_NAMES
 
@@ -76,6 +76,15 @@ class SceneFile(NamedTuple):
         if "belts" in self.data:
             return BELTS_TABLES
         return TABLES
+
+    @property
+    def has_units(self) -> bool:
+        """Whether a number has a unit."""
+        tables = [self.data[name] for name in ("parameters", "start", "model") if name in self.data]
+        tables += self.data.get("belts", ())
+        values = [self.data["t_end"], *(value for table in tables for value in table.values())]
+        texts = [value for value in values if isinstance(value, str)]
+        return any(is_quantity(text) and not text.strip().endswith(("%", "T")) for text in texts)
 
     def place(self, *path: str | int) -> str:
         """Return the line and the table of a key as text for a message."""

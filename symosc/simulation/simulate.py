@@ -177,9 +177,10 @@ def simulate(
         follow = partial(in_digits, start, most, digits)
     with late_bar(progress, label, "events") if progress else nullcontext() as advance:
         motion = follow(advance)
-    if original is None:
-        return motion
-    return MovedTrajectory(motion, original)
+    if original is not None:
+        motion = MovedTrajectory(motion, original)
+    motion.in_si = isinstance(scene, Scene) and scene.in_si
+    return motion
 
 
 def read_most(max_events: Any, default: int) -> int:

@@ -130,6 +130,8 @@ class Trajectory(Drawable):
 
     _drawn_by = "figure"
     _made_by = "simulate(...)"
+    #: Whether the numbers are in kg, m, s, N and rad, as `Scene.in_si` says.
+    in_si = False
 
     def __init__(
         self,

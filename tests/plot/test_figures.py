@@ -7,6 +7,7 @@ import subprocess
 import sys
 import warnings
 from functools import cache
+from inspect import signature
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ import numpy as np
 import pytest
 from bad_values import refused
 from effort import at_most
+from hostile import functions, of_answers
 from matplotlib import rcParams
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -40,6 +42,7 @@ from symosc import (
 from symosc.base.display.drawable import Drawable
 from symosc.plot.figures import MOST_DRAWN_EVENTS
 from symosc.plot.panels import SHAPES, view_of
+from symosc.scenes import as_toml, read_scene
 from symosc.sweeps.output import SweptDataset
 
 # -- answers, and axes of a user's own --------------------------------------------------------------------------------
@@ -331,6 +334,70 @@ def test_a_motion_too_short_for_doubles_is_drawn_without_a_warning(t_end: str) -
         warnings.simplefilter("error")
         drawing = plot.figure("fig5", t_end=t_end)
     assert len(drawing.axes) == 4
+
+
+@pytest.mark.slow
+def test_every_figure_has_the_size_that_is_asked_for() -> None:
+    drawn = 0
+    for name, (draw, given) in (functions() | of_answers()).items():
+        if not name.startswith("plot.") or "ax" not in signature(draw).parameters:
+            continue
+        drawing = draw(**given, figsize=(6, "2.5"))
+        assert drawing.get_size_inches().tolist() == [6, 2.5], name
+        ax = Figure().add_subplot()
+        refused(lambda: draw(**given, ax=ax, figsize=(6, 3)), "figsize")  # noqa: B023
+        drawn += 1
+    assert drawn > 20
+
+
+@pytest.mark.parametrize("size", [3, (3,), (3, 0), (3, -1), (3, 1e4), ("wide", 2), (3, None), "ab"])
+def test_what_is_no_size_is_refused(size: Any) -> None:
+    refused(lambda: plot.figure("fig6", panels="a", figsize=size), "figsize")
+
+
+def test_a_figure_has_the_size_that_is_asked_for() -> None:
+    drawing = simulate("fig6", t_end=2).plot(figsize=(5, 4))
+    assert drawing.get_size_inches().tolist() == [5, 4]
+
+
+UNITS = {
+    "a": ("time $t$ (s)", "displacement $x$ (m)"),
+    "b": ("time $t$ (s)", r"velocity $\dot{x}$ (m/s)"),
+    "c": ("displacement $x$ (m)", r"velocity $\dot{x}$ (m/s)"),
+    "d": ("time $t$ (s)", "forces per mass $F^{(1)}$, $F^{(2)}$ (m/s$^2$)"),
+    "g": ("time $t$ (s)", "product $F^{(1)}\\, F^{(2)}$ (m$^2$/s$^4$)"),
+}
+
+
+def test_axes_have_units_if_the_scene_has_some(tmp_path: Path) -> None:
+    pytest.importorskip("pint")
+    text = as_toml(load_scene("fig5"))
+    plain = tmp_path / "plain.toml"
+    plain.write_text(text, encoding="utf-8")
+    file = tmp_path / "mine.toml"
+    file.write_text(text.replace("m = 1\n", 'm = "1000 g"\n'), encoding="utf-8")
+    assert load_scene(file) == load_scene(plain)
+    for panel, labels in UNITS.items():
+        for drawing in (
+            plot.figure(file, t_end=3, panels=panel, boundary=1),
+            simulate(file, t_end=3).plot(panels=panel, boundary=1),
+            plot.figure(load_scene(file).changed(FN=9), t_end=3, panels=panel, boundary=1),
+        ):
+            (ax,) = drawing.axes
+            assert (ax.get_xlabel(), ax.get_ylabel()) == labels
+        (ax,) = plot.figure(plain, t_end=3, panels=panel).axes
+        assert "(" not in ax.get_xlabel()
+
+
+@pytest.mark.parametrize(
+    ("number", "has_some"), [("80%", False), ("2*pi", False), ("1 rad/s", True)]
+)
+def test_what_has_a_unit(number: str, has_some: bool) -> None:
+    pytest.importorskip("pint")
+    name = "mu1" if number == "80%" else "Omega"
+    lines = as_toml(load_scene("fig5")).splitlines()
+    lines = [f'{name} = "{number}"' if line.startswith(f"{name} =") else line for line in lines]
+    assert read_scene("\n".join(lines), "mine.toml").in_si is has_some
 
 
 def test_rcparams_hold() -> None:

@@ -213,6 +213,7 @@ VALID: dict[str, set[str]] = {
         NUMBER | ROWS | {"-10**60", "1e51", "1e200", "fraction_long", "mpf_tiny"}
     ),
     **_each("closed, grazing, jacobian, own_start, partial, resume, robust, use_numba", FLAG),
+    "Scene in_si": FLAG,
     **_each("OtherModel joined, OtherModel.replace joined", FLAG),
     "progress": {*FLAG, "lambda"},
     "certify progress": {*FLAG, "lambda", "Trajectory"},
@@ -232,7 +233,7 @@ VALID: dict[str, set[str]] = {
     **_each("atlas what, frequency_response what, fit what, sensitivities what", BOTH),
     **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
     "certify what": BOTH | {"Atlas"},
-    **_each("first, second", PAIRS),
+    **_each("first, second, figsize", PAIRS),
     "plot.friction_figure v": PAIRS,
     "end": PAIRS | {"ragged"},
     "guess": PAIRS | {"frame"},
