@@ -20,6 +20,8 @@ SHARED: Any = {"m": 1, "c": "1/10", "k": 1, "B0": 1, "Omega": "3/2"}
 ONE = Oscillator(**SHARED, belts=[Belt("1/5", mu="2/5")])
 STATIC = Oscillator(**SHARED, belts=[Belt("1/5", mu="2/5", mu_s="3/5")])
 STATIC_2 = TWO.replace(mu_s2=2)
+CURVED = Oscillator(**SHARED, belts=[Belt("1/5", curve=[(0, "2/5"), (1, "1/5")], mu_s="3/5")])
+THREE = Oscillator(**SHARED, belts=[Belt(v, mu="1/5") for v in (-1, "1/5", 2)])
 TIMES = np.linspace(0, 3, 31)
 ENDS: Any = {"start": (0.1, 1.0), "end": (0.2, 1.1)}
 
@@ -102,6 +104,11 @@ def test_static_friction_is_followed_or_refused_in_one_line(name: str, p: Oscill
     assert "\n" not in message
     assert f"static friction of belt {n}" in message
     assert f"mu_s = {belt.mu_s}" in message or f"mu_s={float(belt.mu_s):g}" in message
+
+
+@pytest.mark.parametrize("p", [CURVED, THREE], ids=["curve", "three belts"])
+def test_samples_of_other_laws_are_judged(p: Oscillator) -> None:
+    assert CALLS["crosscheck"](p)
 
 
 @pytest.mark.parametrize("name", [name for name in CALLS if name not in LONG])

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from symosc.crosschecks.bands import DOMAIN_CODES
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.verdict import Verdict
 from symosc.engine.flow import Constants
@@ -21,6 +22,7 @@ CAUSES = {
     "sign": "a wrong sign",
     "swapped belts": "the belts' frictions are swapped",
     "static friction": "static friction is missing",
+    "friction curve": "friction does not depend on the speed",
     "columns": "the columns are not what they are called",
     "time shift": "the clock is wrong",
     "phase": "another phase of the drive",
@@ -175,10 +177,11 @@ class FaultySteps:
         self.wrong = ~(self.sizes <= 1.0)
         self.moving_wrong = np.flatnonzero(self.wrong & moving)
         at_belt = np.min(np.abs(s.v[:, None] - s.belts), axis=1) <= self.near
-        self.domain = np.where(at_belt, 0, 1 + (s.v > s.K.belt1.v) + (s.v > s.K.belt2.v))
+        self.domain = np.where(at_belt, 0, 1 + np.sum(s.v[:, None] > s.belts, axis=1))
         before = self.domain[:-1]
         after = self.domain[1:]
-        inside = (before > 0) & (before == after) & (s.first == before) & (s.last == before)
+        code = DOMAIN_CODES[before]
+        inside = (before > 0) & (before == after) & (s.first == code) & (s.last == code)
         inside[s.events.step] = False
         self.inside = np.flatnonzero(inside & moving & np.isfinite(self.sizes))
         self.inside_wrong = self.inside[self.wrong[self.inside]]

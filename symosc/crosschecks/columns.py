@@ -19,7 +19,6 @@ from symosc.crosschecks.samples import Samples
 from symosc.crosschecks.steps import follow_steps
 from symosc.crosschecks.velocities import with_velocities
 from symosc.crosschecks.verdict import Verdict
-from symosc.kernels._generated import acceleration
 from symosc.model import Model
 from symosc.simulation.tables import counted
 
@@ -245,15 +244,14 @@ def _is_euler(case: FaultySteps) -> bool:
     after = flights + 1
     if not len(flights):
         return True
-    K = s.K
-    A = np.array([K.A1, K.A2, K.A3])[case.domain[flights] - 1]
+    domain = case.domain[flights]
     changes = (s.v[after] - s.v[flights]) / (s.t[after] - s.t[flights])
     # Explicit, implicit, and those that move x or v first.
     ends = ((flights, flights), (after, after), (after, flights), (flights, after))
     misses = []
     for of_x, of_v in ends:
         for phase in (s.theta[flights], s.theta[after]):
-            a = acceleration(s.x[of_x], s.v[of_v], np.cos(phase), A, K.cm, K.w0sq, K.f0)
+            a = s.acceleration(domain, s.x[of_x], s.v[of_v], phase)
             misses.append(float(np.median(np.abs(a - changes))))
     return min(misses) <= 1e-6 * float(np.max(np.abs(changes)))
 

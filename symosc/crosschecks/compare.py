@@ -113,7 +113,8 @@ def crosscheck(
 
     Notes
     -----
-    With static friction errors may grow, and no solver stays near a chaotic motion for long. Every
+    With static friction, or friction that falls with the speed more steeply than the damper grows,
+    errors may grow, and no solver stays near a chaotic motion for long. Every
     step is judged, against the exact motion from its first sample; a mass that a belt holds may not
     leave it by an error that is within the tolerance. Events, and the global error, are judged
     against the exact motion from the start until the solution's own error has grown: where exact
@@ -135,8 +136,10 @@ def crosscheck(
     True
     """
     scene = scene_of(scene, "scene", any_law=True)
-    if isinstance(law := model_of(scene), Oscillator) and law.contracts and len(law.belts) != 1:
-        scene = scene_of(scene, "scene")  # it has the law of Parameters, or one that is refused
+    model = model_of(scene)
+    is_plain = model.law.is_plain and len(model.law.belts) != 1
+    if isinstance(model, Oscillator) and is_plain and model.contracts:
+        scene = scene_of(scene, "scene")  # the same law as Parameters
     require(SOLUTION, t=t)
     require_or_none(*ARRAY_LIKE, function_of(None), x=x)
     require_or_none(*ARRAY_LIKE, v=v)

@@ -52,7 +52,7 @@ STAGES: tuple[tuple[Cause, ...], ...] = (
 )
 #: The causes for oscillators with other friction laws than the paper's.
 STAGES_OF_OTHER_LAWS: tuple[tuple[Cause, ...], ...] = (
-    (friction.without_static,),
+    (friction.without_static, friction.without_curve),
     *STAGES[:2],
     (columns.velocity_column, columns.frozen_positions),
     (columns.noise,),

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from symosc.crosschecks.bands import BELT_OF, MODES, STICK_CODES
 from symosc.crosschecks.events import (
     CODES,
-    MODES,
     PASSES,
     RETURNS,
     STAYS,
@@ -20,7 +20,6 @@ from symosc.crosschecks.events import (
 from symosc.crosschecks.match import match_events
 from symosc.crosschecks.time_tolerances import TimeTolerances
 from symosc.engine.events import KIND_NAMES
-from symosc.engine.state import ON_BELT
 from symosc.simulation.trajectory import Event, Trajectory
 
 # The events at which v becomes that of a belt; an event function v - v_belt finds these.
@@ -172,7 +171,7 @@ class EventVerdicts:
             time = self.reported[j].t
             near = np.abs(self.times - time) <= self.reaches + self.tolerances.listed[j]
             inside = float(motion.t_start) <= time <= float(motion.t_end)
-            if np.any(near) or (inside and MODES[motion.mode(time)] > ON_BELT):
+            if np.any(near) or (inside and BELT_OF[MODES[motion.mode(time)]] > 0):
                 self.reported_free.remove(j)
 
     def _allow_start(self) -> None:
@@ -180,7 +179,7 @@ class EventVerdicts:
 
         This is no event, but solvers list it.
         """
-        boundary = int(self.label[0]) - ON_BELT
+        boundary = int(BELT_OF[self.label[0]])
         if boundary <= 0 or not self.reported_free:
             return
         first = min(self.reported_free)
@@ -336,7 +335,7 @@ class EventVerdicts:
         gaps = np.abs(self.steps.t[around] - self.times[i])
         nearest = around.start + int(np.argmin(gaps))
         is_there = float(np.min(gaps)) <= slack
-        if is_there and self.label[nearest] == ON_BELT + self.exact[i].boundary:
+        if is_there and self.label[nearest] == STICK_CODES[self.exact[i].boundary]:
             return float(self.steps.t[nearest])
         return None
 

@@ -8,15 +8,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from symosc.crosschecks.bands import BELT_OF, DOMAIN_CODES, DOMAIN_OF, STICK_CODES
 from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.events import KIND_NAMES
-from symosc.engine.state import ON_BELT
-from symosc.friction import MODE_NAMES, NEIGHBOURS
+from symosc.friction import ALL_MODE_NAMES
 from symosc.simulation.trajectory import Event
 
-#: The codes of kinds and modes by their names.
+#: The codes of kinds by their names.
 CODES = {name: code for code, name in KIND_NAMES.items()}
-MODES = {name: code for code, name in MODE_NAMES.items()}
 # An event of the samples belongs to an exact one that is at most this part of the forcing period
 # away.
 WINDOW = 0.05
@@ -40,7 +39,7 @@ class FoundEvent:
     kind : str
         "cross", "stick", "slip" or "graze".
     boundary : int
-        1 or 2; 0 if the event was given without one.
+        The number of the belt; 0 if the event was given without one.
     source, target : str
         Modes before and after; "" if given without.
     step : int
@@ -108,22 +107,21 @@ class Match:
 
 
 def labels(steps: ExactSteps, near: np.ndarray, drift: np.ndarray) -> np.ndarray:
-    """Return the mode code of each sample.
-
-    1 to 3 for the domain that it is in, 4 at belt 1, 5 at belt 2.
+    """Return the mode code of each sample: that of the domain that it is in, or of a stick at a
+    belt.
 
     A sample is at a belt, sticking or passing, if its v differs from the belt's speed by at most
     `near`. Beside a step in which the exact motion sticks to the belt `drift` is enough, since
     solvers let v drift off in a stick.
     """
     v = steps.v
-    K = steps.K
-    label = np.int8(1) + (v > K.belt1.v) + (v > K.belt2.v)
+    label = DOMAIN_CODES[1 + np.sum(v[:, None] > steps.belts, axis=1)].astype(np.int8)
     for boundary, speed in enumerate(steps.belts.tolist(), 1):
         gap = np.abs(v - speed)
-        sticks = steps.last == ON_BELT + boundary
+        code = STICK_CODES[boundary]
+        sticks = steps.last == code
         held = np.append(sticks, False) | np.append(False, sticks)
-        label[(gap <= near) | ((gap <= drift) & held)] = ON_BELT + boundary
+        label[(gap <= near) | ((gap <= drift) & held)] = code
     return label
 
 
@@ -144,13 +142,14 @@ def find_events(
     course = _Course(_Reader(steps, wrong))
     for first, last in zip(starts.tolist(), ends.tolist(), strict=True):
         mode = int(label[first])
-        if mode <= ON_BELT:
-            course.move_to(mode, first)
+        belt = int(BELT_OF[mode])
+        if not belt:
+            course.move_to(int(DOMAIN_OF[mode]), first)
         elif course.reader.is_stick(mode, first, last):
-            course.stick(mode, first)
+            course.stick(belt, first)
         else:  # a contact: the belt is crossed or grazed
             modes[first : last + 1] = 0
-            if not course.has_passed(mode - ON_BELT, first, last):
+            if not course.has_passed(belt, first, last):
                 continue
         course.since = last
     return course.events, modes
@@ -159,13 +158,15 @@ def find_events(
 class _Course:
     """The modes that samples go through, and the events between them.
 
-    `now` is the last mode of the samples (0: none is known yet), `since` the last sample in it.
+    `domain` and `belt` are those of the last mode of the samples: the one or the other, 0 if it is
+    none, and both 0 if none is known yet. `since` is the last sample in it.
     """
 
     def __init__(self, reader: _Reader) -> None:
         self.reader = reader
         self.events: list[FoundEvent] = []
-        self.now = 0
+        self.domain = 0
+        self.belt = 0
         self.since = 0
 
     def move_to(self, domain: int, sample: int) -> None:
@@ -173,32 +174,35 @@ class _Course:
         is at `sample`.
         """
         since = self.since
-        if self.now > ON_BELT:
-            belt = self.now - ON_BELT
-            entered = min(NEIGHBOURS[belt], key=lambda d: abs(d - domain))
-            slip = self.reader.event("slip", belt, self.now, entered, since, since, since)
-            self.events.append(slip)
-            self.now = entered
-        if self.now and self.now != domain:
-            direction = 1 if domain > self.now else -1
-            for source, target in pairwise(range(self.now, domain + direction, direction)):
+        if self.belt:
+            belt = self.belt
+            entered = min(belt, belt + 1, key=lambda d: abs(d - domain))
+            modes = (STICK_CODES[belt], DOMAIN_CODES[entered])
+            self.events.append(self.reader.event("slip", belt, modes, since, since, since))
+            self._enter(entered)
+        if self.domain and self.domain != domain:
+            direction = 1 if domain > self.domain else -1
+            for source, target in pairwise(range(self.domain, domain + direction, direction)):
                 belt = min(source, target)  # belt n lies between domains n and n + 1
-                cross = self.reader.event("cross", belt, source, target, since, sample - 1, None)
+                modes = (DOMAIN_CODES[source], DOMAIN_CODES[target])
+                cross = self.reader.event("cross", belt, modes, since, sample - 1, None)
                 self.events.append(cross)
-        self.now = domain
+        self._enter(domain)
 
-    def stick(self, mode: int, first: int) -> None:
-        """Record that the mass sticks from sample `first` on, and how it came to the belt."""
-        belt = mode - ON_BELT
-        if self.now:
-            if self.now > ON_BELT:
-                before = self.now - ON_BELT + 0.5  # a belt lies between its two domains
-            else:
-                before = self.now
-            self.move_to(min(NEIGHBOURS[belt], key=lambda d: abs(d - before)), first)
-            stick = self.reader.event("stick", belt, self.now, mode, first - 1, first, first)
-            self.events.append(stick)
-        self.now = mode
+    def _enter(self, domain: int) -> None:
+        """Note that the last mode is a domain."""
+        self.domain = domain
+        self.belt = 0
+
+    def stick(self, belt: int, first: int) -> None:
+        """Record that the mass sticks to a belt from sample `first` on, and how it came there."""
+        if self.domain or self.belt:
+            before = self.domain or self.belt + 0.5  # a belt lies between its two domains
+            self.move_to(min(belt, belt + 1, key=lambda d: abs(d - before)), first)
+            modes = (DOMAIN_CODES[self.domain], STICK_CODES[belt])
+            self.events.append(self.reader.event("stick", belt, modes, first - 1, first, first))
+        self.domain = 0
+        self.belt = belt
 
     def has_passed(self, belt: int, first: int, last: int) -> bool:
         """Record the cross at a contact, samples `first` to `last`, where the steps are right: there
@@ -207,18 +211,19 @@ class _Course:
         wrong = self.reader.wrong
         if last == len(wrong) or wrong[last] or (first and wrong[first - 1]):
             return False
-        source = self.reader.last[first - 1]
-        target = self.reader.first[last]
-        if not self.now:  # a start on the belt is not an event
+        source = int(DOMAIN_OF[self.reader.last[first - 1]])
+        target = int(DOMAIN_OF[self.reader.first[last]])
+        if not (self.domain or self.belt):  # a start on the belt is not an event
             source = target
-            self.now = target
-        if {source, target} == set(NEIGHBOURS[belt]):
+            self.domain = target
+            self.belt = int(BELT_OF[self.reader.first[last]])
+        if {source, target} == {belt, belt + 1}:
             self.move_to(source, first)
-            cross = self.reader.event("cross", belt, source, target, first - 1, last, first)
-            self.events.append(cross)
-            self.now = target
+            modes = (DOMAIN_CODES[source], DOMAIN_CODES[target])
+            self.events.append(self.reader.event("cross", belt, modes, first - 1, last, first))
+            self._enter(target)
             return True
-        return self.now <= ON_BELT and target == self.now
+        return self.domain > 0 and target == self.domain
 
 
 def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) -> np.ndarray:
@@ -228,7 +233,7 @@ def _reached_by_flight(steps: ExactSteps, label: np.ndarray, wrong: np.ndarray) 
     held = (steps.first == label[:-1]) | (steps.last == label[:-1])
     begins_stick = steps.events.target == label[steps.events.step]
     held[steps.events.step[begins_stick]] = True
-    at_same_belt = (label[:-1] > ON_BELT) & (label[1:] == label[:-1])
+    at_same_belt = (BELT_OF[label[:-1]] > 0) & (label[1:] == label[:-1])
     takes_time = np.diff(steps.t) > 0.0
     flown = at_same_belt & ~held & ~wrong & takes_time
     return np.append(False, flown)
@@ -271,13 +276,12 @@ class _Reader:
         self,
         kind: str,
         boundary: int,
-        source: int,
-        target: int,
+        modes: tuple[int, int],
         step: int,
         last_step: int,
         sample: int | None,
     ) -> FoundEvent:
-        """Return an event in the steps `step` to `last_step`.
+        """Return an event in the steps `step` to `last_step`, between two `modes`.
 
         Its time is that of the exact motion over these steps or, if it does not have the event
         there, that of `sample` or (None) an estimate by v.
@@ -299,7 +303,8 @@ class _Reader:
             time = self.t[sample]
         else:
             time = self._estimated_time(i, j, self.belts[boundary - 1])
-        names = MODE_NAMES[source], MODE_NAMES[target]
+        source, target = modes
+        names = ALL_MODE_NAMES[source], ALL_MODE_NAMES[target]
         return FoundEvent(time, kind, boundary, *names, step, last_step, spread)
 
     def _estimated_time(self, i: int, j: int, speed: float) -> float:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from symosc.crosschecks.bands import BELT_OF, DOMAIN_OF
 from symosc.crosschecks.steps import ExactSteps
-from symosc.engine.state import ON_BELT
-from symosc.friction import MODE_NAMES
+from symosc.friction import ALL_MODE_NAMES
 
 #: Reasons by name, in words.
 REASONS = {
@@ -82,8 +82,9 @@ class WrongStep:
 
     `mode` is that of the samples at its end, 0 where they only pass a belt; `first` and `last` are
     the modes of the exact motion, `times` those of its events. A flight with the force of one of
-    the domains `fitting` reaches the next sample. `over_next` is how far each of the three flights
-    misses the sample after that, in units of the allowed defect.
+    the domains `fitting` reaches the next sample. `over_next` is how far the flight of each domain
+    misses the sample after that, in units of the allowed defect. `held` and `held_first` are the
+    belts of the samples' mode at the end and of the exact motion's at the start, 0 if it is none.
     """
 
     def __init__(
@@ -107,6 +108,9 @@ class WrongStep:
         self.mode = int(modes[i + 1])
         self.first = int(steps.first[i])
         self.last = int(steps.last[i])
+        self.held = int(BELT_OF[self.mode])
+        self.held_first = int(BELT_OF[self.first])
+        self.held_last = int(BELT_OF[self.last])
         self.rows = steps.events.rows(i, i)
         self.times = steps.events.t[self.rows]
         self.limit = max(1.0, EXPLAINS * self.size)
@@ -114,7 +118,7 @@ class WrongStep:
         self.at_once = False
         if len(self.times):
             self.at_once = bool(self.times[0] - steps.t[i] <= AT_ONCE * steps.K.period)
-        #: v minus the speeds of both belts, at the first and at the next sample.
+        #: v minus the speeds of all belts, at the first and at the next sample.
         self.gaps_before = steps.v[i] - steps.belts
         self.gaps_after = steps.v[i + 1] - steps.belts
         #: The index of the belt that is nearest to v at the first sample.
@@ -143,8 +147,8 @@ def _jump(step: WrongStep) -> str:
 
 def _drift(step: WrongStep) -> str:
     """Say that v drifts off the belt in a stick."""
-    belt = step.last - ON_BELT
-    if belt <= 0 or step.mode != step.last:
+    belt = step.held_last
+    if not belt or step.mode != step.last:
         return ""
     gap = step.gaps_after[belt - 1]
     defect_x, _ = step.steps.defects[step.i]
@@ -156,15 +160,21 @@ def _drift(step: WrongStep) -> str:
 
 def _wrong_force(step: WrongStep) -> str:
     """Say that the force of another domain explains a step without event."""
-    if not step.fitting or len(step.times) or step.first > ON_BELT:
+    if not step.fitting or len(step.times) or step.held_first:
         return ""
-    return f"the force of Omega{step.fitting[0]} explains the step, which lies in Omega{step.first}"
+    own = ALL_MODE_NAMES[step.first]
+    if own == f"Omega{step.fitting[0]}":  # it is the force of the domain in another band
+        return ""
+    return f"the force of Omega{step.fitting[0]} explains the step, which lies in {own}"
 
 
 def _event_at_start(step: WrongStep) -> str:
     """Say that an event at the start of the step is decided otherwise."""
-    if step.first > ON_BELT and step.mode <= ON_BELT:
-        return f"the mass sticks to belt {step.first - ON_BELT} here, the samples leave it ({step.start_text})"
+    if step.held_first and not step.held:
+        return (
+            f"the mass sticks to belt {step.held_first} here, the samples leave it "
+            f"({step.start_text})"
+        )
     near_start = abs(step.gaps_before[step.nearest]) <= step.near
     if step.fitting and near_start and (not len(step.times) or step.at_once):
         return f"the force of Omega{step.fitting[0]} explains the step ({step.start_text})"
@@ -173,10 +183,10 @@ def _event_at_start(step: WrongStep) -> str:
 
 def _sign_tolerance(step: WrongStep) -> str:
     """Say that the step begins, or ends a stick, on the wrong side of a belt."""
-    if step.mode <= ON_BELT and step.first <= ON_BELT and step.at_once:
+    if not step.held and not step.held_first and step.at_once:
         return f"{step.start_text}: the step begins on the wrong side of the belt"
-    if step.mode > ON_BELT and step.last <= ON_BELT and step.mode_before == step.mode:
-        return f"the mass leaves belt {step.mode - ON_BELT}, the samples stay on it ({step.start_text})"
+    if step.held and not step.held_last and step.mode_before == step.mode:
+        return f"the mass leaves belt {step.held}, the samples stay on it ({step.start_text})"
     return ""
 
 
@@ -193,9 +203,9 @@ def _double_root(step: WrongStep) -> str:
 def _outlier(step: WrongStep) -> str:
     """Say that the next sample alone is off."""
     i = step.i
-    if len(step.times) or i + 2 >= len(step.steps.t) or step.first > ON_BELT:
+    if len(step.times) or i + 2 >= len(step.steps.t) or step.held_first:
         return ""
-    left = step.over_next[step.first - 1]
+    left = step.over_next[DOMAIN_OF[step.first] - 1]
     if not left <= step.limit:
         return ""
     verdict = "is right" if left <= 1.0 else f"is off by {left / step.size:.0e} of that"
@@ -207,7 +217,7 @@ def _crossing(step: WrongStep) -> str:
     if not len(step.times):
         return ""
     target = int(step.steps.events.target[step.rows][0])
-    event = f"{MODE_NAMES[step.first]} -> {MODE_NAMES[target]} at t = {step.times[0]:.10g}"
+    event = f"{ALL_MODE_NAMES[step.first]} -> {ALL_MODE_NAMES[target]} at t = {step.times[0]:.10g}"
     if step.fitting:
         return f"{event}; the force of Omega{step.fitting[0]} was kept"
     return event
@@ -215,7 +225,7 @@ def _crossing(step: WrongStep) -> str:
 
 def _local(step: WrongStep) -> str:
     """Say that the step has no event."""
-    return f"the step lies in {MODE_NAMES[step.first]} and has no event"
+    return f"the step lies in {ALL_MODE_NAMES[step.first]} and has no event"
 
 
 #: What says in words how a step shows each of REASONS, "" if it does not; the first that fits
@@ -252,7 +262,8 @@ def _flight_misses(
     The flights begin at the samples numbered `since`; there is a row for the force of each domain.
     """
     until = np.minimum(since + count, len(steps.t) - 1)
-    ends = np.array([steps.flight(domain, since, until) for domain in (1, 2, 3)])
+    domains = range(1, len(steps.belts) + 2)
+    ends = np.array([steps.flight(domain, since, until) for domain in domains])
     gaps = ends - steps.states[until]
     return np.asarray(np.max(np.abs(gaps / allowed[since]), axis=2))
 
@@ -282,7 +293,7 @@ def explain(
         reason, words = _first_guess(step)
         t, t_next = steps.t[i : i + 2].tolist()
         dx, dv = steps.defects[i].tolist()
-        expected = MODE_NAMES[step.last]
-        mode = MODE_NAMES.get(step.mode, "")
+        expected = ALL_MODE_NAMES[step.last]
+        mode = ALL_MODE_NAMES.get(step.mode, "")
         faults.append(Fault(i, t, t_next, dx, dv, expected, mode, reason, words))
     return tuple(faults)

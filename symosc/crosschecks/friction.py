@@ -1,4 +1,6 @@
-"""Faults at the belts as causes: smoothed or missing static friction, and drift in sticks."""
+"""Faults at the belts as causes: smoothed friction, static friction or its curve missing, and drift
+in sticks.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from symosc.belts import Belt
 from symosc.crosschecks.causes import Diagnosis, Explanation, FaultySteps, fitted, larger
 from symosc.crosschecks.models import rounded
 from symosc.engine.state import ON_BELT, SLIP
@@ -124,6 +127,39 @@ def without_static(case: FaultySteps) -> Iterator[Explanation]:
         )
         found = Diagnosis("static friction", "mu_s", words, "")
         yield Explanation(found, "with mu_s = mu", parameters=kinetic, left=left)
+
+
+# -- a missing curve -------------------------------------------------------------------------------
+
+
+def without_curve(case: FaultySteps) -> Iterator[Explanation]:
+    """Yield the diagnosis that friction does not depend on the speed although the law's does: that
+    at the belt's speed, or that at large speeds, is taken for all.
+    """
+    p = case.parameters
+    if not isinstance(p, Oscillator) or not any(belt.curve for belt in p.belts):
+        return
+    seen = {p}
+    for place, which in (("at the belt's speed", 0), ("at the end of the curve", -1)):
+        belts = []
+        coefficients = []
+        for number, belt in enumerate(p.belts, 1):
+            if not belt.curve:
+                belts.append(belt)
+                continue
+            _, mu = belt.curve[which]
+            coefficients.append(f"mu{number} = {float(mu):.10g}")
+            belts.append(Belt(belt.v, mu=mu, mu_s=max(belt.mu_s, mu)))
+        constant = p.replace(belts=belts)
+        left = None if constant in seen else case.left_with(constant)
+        seen.add(constant)
+        if left is not None:
+            values = ", ".join(coefficients)
+            words = (
+                f"friction does not depend on the speed: {values} everywhere, which is that {place}"
+            )
+            found = Diagnosis("friction curve", "mu", words, "")
+            yield Explanation(found, f"with {values} constant", parameters=constant, left=left)
 
 
 # -- drift in sticks -------------------------------------------------------------------------------

@@ -95,7 +95,7 @@ class CrossCheck(Verdict, Comparable, Drawable, Reportable):
         decimals".
     notes : tuple of str
     modes : (n,) int array
-        What the samples do, by the codes of `symosc.friction.MODE_NAMES`; 0 where they only pass or
+        What the samples do, by the codes of `symosc.friction.ALL_MODE_NAMES`; 0 where they only pass or
         graze a belt.
     t, x, v : (n,) arrays
     trajectory : Trajectory

@@ -1,7 +1,8 @@
 """Where a solution and the exact motion move apart although both are right.
 
 With static friction errors may grow: a slip begins with a jump of the acceleration, and an error of
-x decides when, or whether a belt holds the mass at all. Motions may be chaotic, and no solver stays
+x decides when, or whether a belt holds the mass at all. So they may where friction falls with the
+velocity more steeply than the damper grows. Motions may be chaotic, and no solver stays
 near the exact motion for long. So a sample that is too far from the exact motion is no fault by
 itself. It is none if exact motions that begin as near to an earlier sample as the exact motion does
 move apart as far: then the exact motion from that sample takes the place of the one before. Errors
@@ -11,13 +12,15 @@ that only add up from step to step are no such case, and remain a fault.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import exp
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.crosschecks.samples import Samples
-from symosc.crosschecks.steps import BOX_POINTS, ExactSteps, belt_speeds
+from symosc.crosschecks.steps import BOX_POINTS, ExactSteps, has_static, least_damping
+from symosc.model import Model
 from symosc.scenes import STARTS
 from symosc.simulation.tables import counted
 from symosc.simulation.trajectory import Trajectory
@@ -31,6 +34,7 @@ EXPLAINED = 1 / 2
 # touches a belt, or meets it where static friction just holds.
 FAR_BEYOND = 100.0
 FEW_EVENTS = 2
+LARGEST_EXPONENT = 700.0
 
 
 class Separation(NamedTuple):
@@ -98,20 +102,21 @@ def separation_at(
     if len(last_exact):
         i = int(last_exact[-1])
         events = [e for e in motion.events if samples.t[i] < e.t <= samples.t[beyond]]
-        far = np.any(compared.limits[i] >= FAR_BEYOND * exact[i])
+        grown = _growth(compared.steps.parameters, float(samples.t[beyond] - samples.t[i]))
+        far = np.any(compared.limits[i] >= FAR_BEYOND * grown * exact[i])
         if far and len(events) <= FEW_EVENTS:
             return None
     begin = float(samples.t[j])
     end = float(samples.t[beyond])
     box = error[j] + compared.loose[j] + compared.task.tolerance * compared.scales
-    speeds = belt_speeds(compared.steps.K)
+    speeds = compared.steps.belts
     on = int(compared.steps.on[j])
     v = float(speeds[on - 1]) if on else float(samples.v[j])
     start = dict(zip(STARTS, (begin, float(samples.x[j]), v), strict=True))
     own = compared.task.motion(end, start)
     if float(own.t_end) < end:
         return None
-    walls = np.array([-np.inf, *speeds, np.inf])
+    walls = compared.steps.bands.walls
     domain = int(np.sum(v > speeds))
     states = [motion(min(end, float(motion.t_end)))]
     for along_x, along_v in BOX_POINTS:
@@ -126,6 +131,12 @@ def separation_at(
     return Separation(j, start, _between_events(motion, begin))
 
 
+def _growth(p: Model, time: float) -> float:
+    """Return by how much friction that falls with the velocity can make an error grow in a time."""
+    least = float(least_damping(p) / p.m)
+    return exp(min(-least * time, LARGEST_EXPONENT)) if least < 0.0 else 1.0
+
+
 def _between_events(motion: Trajectory, time: float) -> float:
     """Return a time up to `time` in the middle between two events."""
     before = [float(motion.t_start), *(float(e.t) for e in motion.events if float(e.t) <= time)]
@@ -134,12 +145,18 @@ def _between_events(motion: Trajectory, time: float) -> float:
     return 0.5 * (before[-2] + before[-1])
 
 
-def separation_note(separations: Sequence[Separation], until: float) -> str:
+def separation_note(p: Model, separations: Sequence[Separation], until: float) -> str:
     """Return what is to be said of solutions that move away from the exact motion."""
+    reasons = []
+    if has_static(p):
+        reasons.append("static friction")
+    if least_damping(p) < 0:
+        reasons.append("friction that falls with the speed")
+    verb = "drives" if len(reasons) == 1 else "drive"
     first = separations[0].start["t0"]
     count = counted(len(separations), "time")
     return (
-        f"static friction drives neighbouring motions apart: from t = {first:.10g} on the solution "
+        f"{' and '.join(reasons)} {verb} neighbouring motions apart: from t = {first:.10g} on the solution "
         f"is compared with the exact motion from one of its own samples ({count}); every step is "
         f"judged, events in the whole only up to t = {until:.10g}"
     )

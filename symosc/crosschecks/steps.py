@@ -1,15 +1,17 @@
 """The exact motion over each step of samples, restarted from every sample, and the error bounds of
 right samples.
 
-Two motions of one scene without static friction never move apart. Friction falls with the velocity,
-so for the differences X and V of two motions X' = V and V' = -(c/m) V - (k/m) X - (a force with the
-sign of V), through sticks and crossings as well. Hence
+Two motions of one scene whose law contracts never move apart: without static friction, and where
+damper and friction together grow with the velocity. For the differences X and V of two motions
+X' = V and V' = -(c/m) V - (k/m) X - (a force with the sign of V), through sticks and crossings as
+well; c is the least damping of all bands. Hence
 
     V^2 + (k/m) X^2 never grows,   |V(t)| <= max(|V(0)|, (k/c) max |X|),   |V(t)| <= |V(0)| + (k/m) t max |X|.
 
 With static friction they may: an error of x moves a slip, behind which the acceleration jumps by E,
-and decides whether a belt holds the mass. What the exact motion makes of an error is then followed
-from the corners of a box about the sample (`spread_of_steps`).
+and decides whether a belt holds the mass. So they may where friction falls more steeply than the
+damper grows. What the exact motion makes of an error is then followed from the corners of a box
+about the sample (`spread_of_steps`).
 
 In most steps surely nothing happens, and these are done all at once. Over a short step of length
 tau the velocity stays near the chord between its two ends: it is off by at most tau^2/8 max |b|,
@@ -17,8 +19,9 @@ where b is its second derivative. In a flight
 
     v'' + (c/m) v' + (k/m) v = -(B0 Omega/m) sin(theta),   r^2 = v'^2 + (k/m) v^2,   dr/dtau <= |B0 Omega/m|,
 
-so that r, and b with it, are bounded over the step. If the chord, so widened, stays between the
-belts, then the flight meets none of them. On a belt the same is done with the two forces: their
+so that r, and b with it, are bounded over the step (where c < 0, r may grow by exp(|c| tau/m)
+besides). If the chord, so widened, stays between the belts, or between the edges of its band, then
+the flight meets none of them. On a belt the same is done with the two forces: their
 second derivative is at most |B0| Omega^2/m.
 """
 
@@ -32,13 +35,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.base.errors import MissingExtraError
+from symosc.crosschecks.bands import BELT_OF, DOMAIN_CODES, DOMAIN_OF, Bands, bands_of, groups
 from symosc.crosschecks.samples import Samples
-from symosc.engine.arithmetic import Arithmetic, loaded_loop, mp_context
+from symosc.engine.arithmetic import loaded_loop, mp_context
 from symosc.engine.batch import Batch, batch_of, joined, keep_state, state_of
+from symosc.engine.events import event_codes
 from symosc.engine.flow import Constants, table_of
-from symosc.engine.next_event import TWO_PI, advance
-from symosc.engine.start import start_rows
-from symosc.engine.state import CROSS, END, FAILED, GRAZE, MOVED, ON_BELT, REST, SLIP
+from symosc.engine.next_event import TWO_PI, advance, band_beyond, entered
+from symosc.engine.state import END, FAILED, GRAZE, MOVED, ON_BELT, REST
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion, stick_acceleration
 from symosc.kernels.compiling import is_compiled
@@ -74,7 +78,7 @@ def propagated(p: Model, off: np.ndarray, tau: Any) -> np.ndarray:
     x = off[..., 0]
     v = off[..., 1]
     square = float(p.k / p.m)
-    damping = float(p.c / p.m)
+    damping = float(least_damping(p) / p.m)
     # Friction takes energy from the difference: v^2 + (k/m) x^2 does not grow.
     fastest = np.sqrt(v * v + square * x * x)
     farthest = x + tau * fastest
@@ -104,14 +108,28 @@ def push_bound(p: Model, x: float | np.ndarray, v: float | np.ndarray) -> Any:
     Domains that no mass with the largest of the given |v| is in do not count.
     """
     fastest = float(np.max(v))
-    walls = (-inf, *(float(belt.v) for belt in p.law.belts), inf)
-    reached = [
-        alpha
-        for alpha in range(1, len(walls))
-        if walls[alpha - 1] <= fastest and walls[alpha] >= -fastest
-    ]
-    forces = max(abs(p.A(alpha)) for alpha in reached) + abs(p.B0)
+    forces = _largest_friction(p, fastest) + abs(p.B0)
     return float(forces / p.m) + float(p.k / p.m) * np.abs(x) + float(p.c / p.m) * np.abs(v)
+
+
+def _largest_friction(p: Model, fastest: float) -> Any:
+    """Return the largest size of A0 and friction together at velocities up to `fastest`."""
+    if p.law.is_plain:
+        walls = (-inf, *(float(belt.v) for belt in p.law.belts), inf)
+        reached = [
+            alpha
+            for alpha in range(1, len(walls))
+            if walls[alpha - 1] <= fastest and walls[alpha] >= -fastest
+        ]
+        return max(abs(p.A(alpha)) for alpha in reached)
+    largest = 0.0
+    for row in p.law.rows:
+        low = max(-inf if row.below is None else float(row.below.v), -fastest)
+        high = min(inf if row.above is None else float(row.above.v), fastest)
+        _, force, _ = row.forces
+        for v in (low, high) if low <= high else ():
+            largest = max(largest, abs(float(p.A0 + force) - float(row.slope) * v))
+    return largest
 
 
 def sample_errors(p: Model, samples: Samples, rounding: np.ndarray) -> np.ndarray:
@@ -137,10 +155,16 @@ def has_static(p: Model) -> bool:
     return any(p.law.excess(boundary) > 0 for boundary in range(1, len(p.law.belts) + 1))
 
 
-def belt_speeds(K: Constants) -> np.ndarray:
-    """Return the speeds of the belts that there are."""
-    speeds = np.array([K.belt1.v, K.belt2.v])
-    return speeds[speeds < inf]
+def least_damping(p: Model) -> Any:
+    """Return the least damping of all bands: c, and what friction that depends on the relative
+    speed adds or takes.
+    """
+    return min(p.law.damping(p.c, row) for row in range(len(p.law.rows)))
+
+
+def contracts(p: Model) -> bool:
+    """Return whether no two motions move apart."""
+    return not has_static(p) and bool(least_damping(p) >= 0)
 
 
 # -- the exact motion over the steps ---------------------------------------------------------------
@@ -150,7 +174,7 @@ class StepEvents(NamedTuple):
     """Events of the exact motion inside steps, as columns in order of step and time.
 
     `kind` is a code of `engine.events.KIND_NAMES`, `boundary` is the number of a belt, and `target` is the mode
-    after the event, a code of `friction.MODE_NAMES`.
+    after the event, a code of `friction.ALL_MODE_NAMES`.
     """
 
     step: np.ndarray
@@ -175,13 +199,13 @@ class ExactSteps:
     """The exact motion from each sample to the next one."""
 
     parameters: Model
-    K: Constants
+    K: Constants  # of a plain law; of others those that no band changes, as the drive's
     t: np.ndarray
     x: np.ndarray
     v: np.ndarray
     theta: np.ndarray  # phases
     defects: np.ndarray  # the exact motion over the step minus the next sample, (n - 1, 2)
-    first: np.ndarray  # the mode (MODE_NAMES) just after the sample
+    first: np.ndarray  # the mode (ALL_MODE_NAMES) just after the sample
     last: np.ndarray  # the mode at the end of the step
     on: np.ndarray  # the belt that the motion of the step begins on, 0 if none
     events: StepEvents
@@ -192,9 +216,14 @@ class ExactSteps:
         return np.column_stack([self.x, self.v])
 
     @property
+    def bands(self) -> Bands:
+        """The constants of the law, by band."""
+        return bands_of(self.parameters)
+
+    @property
     def belts(self) -> np.ndarray:
         """Speeds of the belts that there are."""
-        return belt_speeds(self.K)
+        return self.bands.speeds
 
     def may_meet_belts(self, box: np.ndarray) -> np.ndarray:
         """Return which steps may have an event if they begin up to `box` from their samples."""
@@ -203,7 +232,7 @@ class ExactSteps:
         reach = float(push_bound(self.parameters, *largest)) * np.diff(self.t) + box[:, 1]
         gaps = [np.min(np.abs(v[:, None] - self.belts), axis=1) for v in (self.v[:-1], ends[:, 1])]
         may_meet = np.minimum(*gaps) <= reach
-        may_meet |= (self.on > 0) | (self.first > ON_BELT)
+        may_meet |= (self.on > 0) | (BELT_OF[self.first] > 0)
         may_meet[self.events.step] = True
         return may_meet
 
@@ -226,14 +255,44 @@ class ExactSteps:
     ) -> np.ndarray:
         """Return x, v after flights over times `tau` with the force of `domain`, one number or an
         array.
+
+        Where the law has bands it is that of the band of the velocity, or of the one next to it in
+        the domain, all along the flight.
         """
-        K = self.K
-        s = np.sin(theta)
-        c = np.cos(theta)
-        a = acceleration(x, v, c, np.take([K.A1, K.A2, K.A3], domain - 1), K.cm, K.w0sq, K.f0)
-        E0, E1, E2, R2, I2, _, _ = entire_array.basis(tau, K)
-        dx, dv, _ = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-        return np.stack([x + dx, v + dv], axis=-1)
+        if self.bands.is_plain:
+            K = self.K
+            A = np.take([K.A1, K.A2, K.A3], domain - 1)
+            return _flown(K, A, x, v, theta, tau)
+        ends = np.empty((len(x), 2))
+        for row, here in groups(self.bands.row_of(domain, v)):
+            K = self.bands.rows[row]
+            ends[here] = _flown(K, K.A2, x[here], v[here], theta[here], tau[here])
+        return ends
+
+    def acceleration(
+        self, domain: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray
+    ) -> np.ndarray:
+        """Return the accelerations of the mass with the force of `domain`, of the same band as in
+        `fly`.
+        """
+        a = np.empty(len(x))
+        for row, here in groups(self.bands.row_of(domain, v)):
+            K = self.bands.rows[row]
+            A = K.A2 if K.banded else np.take([K.A1, K.A2, K.A3], domain[here] - 1)
+            a[here] = acceleration(x[here], v[here], np.cos(theta[here]), A, K.cm, K.w0sq, K.f0)
+        return a
+
+
+def _flown(
+    K: Constants, A: Any, x: np.ndarray, v: np.ndarray, theta: np.ndarray, tau: np.ndarray
+) -> np.ndarray:
+    """Return x, v after flights over times `tau` with the constant force `A`."""
+    s = np.sin(theta)
+    c = np.cos(theta)
+    a = acceleration(x, v, c, A, K.cm, K.w0sq, K.f0)
+    E0, E1, E2, R2, I2, _, _ = entire_array.basis(tau, K)
+    dx, dv, _ = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    return np.stack([x + dx, v + dv], axis=-1)
 
 
 def follow_steps(parameters: Model, t: Any, x: Any, v: Any, near: Any, scales: Any) -> ExactSteps:
@@ -246,9 +305,8 @@ def follow_steps(parameters: Model, t: Any, x: Any, v: Any, near: Any, scales: A
     mass that is held does not leave by a rounding error.
     """
     # Where a time is repeated nothing moves: the defect is the jump.
-    if not parameters.law.is_plain:
-        _ = parameters.parameters  # refuses a law of several bands
-    K = Arithmetic(parameters).K._replace(sigmas=0.0)
+    bands = bands_of(parameters)
+    K = bands.rows[0]
     count = len(t) - 1
     near = np.broadcast_to(near, count + 1)
     scales = np.broadcast_to(scales, (count, 2))
@@ -264,7 +322,7 @@ def follow_steps(parameters: Model, t: Any, x: Any, v: Any, near: Any, scales: A
         inner = slice(begin, end)
         theta[numbers] = phases(parameters, t[numbers])
         samples = np.array([t[numbers], x[numbers], v[numbers], theta[numbers]])
-        followed = _follow_samples(K, samples, near[inner], scales[inner], before)
+        followed = _follow_samples(bands, samples, near[inner], scales[inner], before)
         defects[inner] = followed.defects
         modes[:, inner] = followed.modes
         before = int(followed.modes[1, -1])
@@ -303,37 +361,37 @@ class FollowedSteps(NamedTuple):
 
 
 def _follow_samples(
-    K: Constants, samples: np.ndarray, near: np.ndarray, scales: np.ndarray, before: int
+    bands: Bands, samples: np.ndarray, near: np.ndarray, scales: np.ndarray, before: int
 ) -> FollowedSteps:
     """Follow all steps between samples, rows t, x, v, theta.
 
     `before` is the mode before the first sample, 0 if it is not known.
     """
     t, x, v, _ = samples
-    gaps = np.abs(v[:-1, None] - belt_speeds(K))
+    gaps = np.abs(v[:-1, None] - bands.speeds)
     closest = np.argmin(gaps, axis=1) + 1
     beside = gaps.min(axis=1)
     moving = np.flatnonzero(np.diff(t) > 0.0)
     defects = np.column_stack([x[:-1] - x[1:], v[:-1] - v[1:]])
     modes = np.zeros((2, len(defects)), np.int8)
     on = np.where(beside == 0.0, closest, 0)  # the boundary of a sample that is exactly on a belt
-    as_given = follow_from(K, samples, moving, on[moving])
+    as_given = follow_from(bands, samples, moving, on[moving])
     defects[moving] = as_given.defects
     modes[:, moving] = as_given.modes
     events = as_given.events
     either = moving[(beside[moving] > 0.0) & (beside[moving] <= near[moving])]
     if len(either):
         size = np.max(np.abs(defects[either]) / scales[either], axis=1)
-        on_belt = follow_from(K, samples, either, closest[either])
+        on_belt = follow_from(bands, samples, either, closest[either])
         size_on_belt = np.max(np.abs(on_belt.defects) / scales[either], axis=1)
         # On a belt both agree up to rounding: then it is on the belt.
         better = ~(size_on_belt > size * (1.0 + 1e-6) + EPS)
-        if K.belt1.E > 0.0 or K.belt2.E > 0.0:
+        if has_static(bands.parameters):
             sizes = np.max(np.abs(defects) / scales, axis=1)
             _, last_modes = modes
             _, last_on_belt = on_belt.modes
             both_last = (last_modes, last_on_belt)
-            _keep_held(K, v, either, better, both_last, (sizes, size_on_belt), before)
+            _keep_held(bands, v, either, better, both_last, (sizes, size_on_belt), before)
         chosen = either[better]
         on[chosen] = closest[chosen]
         defects[chosen] = on_belt.defects[better]
@@ -343,7 +401,7 @@ def _follow_samples(
 
 
 def _keep_held(
-    K: Constants,
+    bands: Bands,
     v: np.ndarray,
     either: np.ndarray,
     on_belt: np.ndarray,
@@ -357,7 +415,7 @@ def _keep_held(
     `last` are the last modes of all steps if they begin as they are, and of the steps `either` if
     they begin on the belt; `sizes` are their defects, in units of the allowed ones.
     """
-    side = 1 + np.sum(v[either, None] > belt_speeds(K), axis=1)
+    side = DOMAIN_CODES[1 + np.sum(v[either, None] > bands.speeds, axis=1)]
     ends = last[0].copy()  # 0 in steps in which no time passes
     size = sizes[0].copy()
     for row, i in enumerate(either.tolist()):
@@ -381,15 +439,15 @@ def spread_of_steps(steps: ExactSteps, chosen: np.ndarray, box: np.ndarray) -> n
     and the middles of the edges are followed. They begin on the side of the belt on which the
     sample is, or on the belt; if the sample is on it, on the side on which the step before ends.
     """
-    K = steps.K
+    bands = steps.bands
     pairs = np.column_stack([chosen, chosen + 1]).ravel()
     samples = np.array([steps.t[pairs], steps.x[pairs], steps.v[pairs], steps.theta[pairs]])
     begins = np.arange(0, len(pairs), 2)
     at = steps.on[chosen].astype(int)
-    speeds = belt_speeds(K)
-    walls = np.array([-inf, *speeds, inf])
+    speeds = bands.speeds
+    walls = bands.walls
     v = np.where(at > 0, speeds[at - 1], steps.v[chosen])
-    before = np.where(chosen > 0, steps.last[chosen - 1], 0)
+    before = np.where(chosen > 0, DOMAIN_OF[steps.last[chosen - 1]], 0)
     domain = np.where(at > 0, before - 1, np.sum(v[:, None] > speeds, axis=1))
     is_free = (at == 0) | (before == at) | (before == at + 1)
     domain = np.where(is_free, domain, 0)
@@ -400,30 +458,34 @@ def spread_of_steps(steps: ExactSteps, chosen: np.ndarray, box: np.ndarray) -> n
         samples[1, ::2] = steps.x[chosen] + along_x * box[:, 0]
         samples[2, ::2] = moved
         onto = np.where(np.isin(moved, speeds), 1 + np.searchsorted(speeds, moved), 0)
-        defects = follow_from(K, samples, begins, onto).defects
+        defects = follow_from(bands, samples, begins, onto).defects
         largest = np.fmax(largest, np.abs(defects - steps.defects[chosen]))
     return largest
 
 
 def follow_from(
-    K: Constants, samples: np.ndarray, steps: np.ndarray, on: np.ndarray
+    bands: Bands, samples: np.ndarray, steps: np.ndarray, on: np.ndarray
 ) -> FollowedSteps:
     """Follow the exact motion over the steps numbered `steps` of samples.
 
-    `samples` has the rows t, x, v and theta. Where `on` is 1 or 2, v is first set to the speed of
-    that belt, and the motion begins on it. The modes are those at the start and at the end of each
-    step.
+    `samples` has the rows t, x, v and theta. Where `on` is the number of a belt, v is first set to
+    the speed of that belt, and the motion begins on it. The modes are those at the start and at the
+    end of each step.
     """
     t, x, v, theta = samples
     tau = t[steps + 1] - t[steps]
-    start_v = np.where(on > 0, belt_speeds(K)[on - 1], v[steps])
-    rows, _ = start_rows(on, (theta[steps], 0.0), x[steps], start_v, (0.0, 0.0, tau, 0.0, 0.0), K)
-    modes = np.array([rows["mode"], rows["mode"]]).astype(np.int8)
+    start_v = np.where(on > 0, bands.speeds[on - 1], v[steps])
+    rows, sets = bands.begun(on, theta[steps], x[steps], start_v, tau)
+    begins = bands.modes(sets, rows["mode"])
+    modes = np.array([begins, begins]).astype(np.int8)
     ends = np.empty((len(rows), 2))
-    quiet, states = quiet_ends(rows, tau, K)
-    ends[quiet] = states
-    busy = np.delete(np.arange(len(rows)), quiet)
-    followed = _follow(rows[busy], tau[busy], K)
+    is_quiet = np.zeros(len(rows), bool)
+    for row, here in groups(sets):
+        quiet, states = quiet_ends(rows[here], tau[here], bands.rows[row])
+        is_quiet[here[quiet]] = True
+        ends[here[quiet]] = states
+    busy = np.flatnonzero(~is_quiet)
+    followed = _follow(rows[busy], sets[busy], tau[busy], bands)
     _, last_modes = modes
     last_modes[busy] = followed.modes
     ends[busy] = followed.ends
@@ -491,7 +553,7 @@ def _sticks_last(
     # their second derivative, and by rounding.
     off = 0.125 * tau * tau * abs(K.fB) * K.Om
     off += CLEARANCE * (
-        np.abs(below) + np.abs(above) + K.w0sq * np.abs(x) + K.cm * np.abs(v) + 2.0 * abs(K.f0)
+        np.abs(below) + np.abs(above) + K.w0sq * np.abs(x) + abs(K.cm) * np.abs(v) + 2.0 * abs(K.f0)
     )
     below_then, above_then = (
         stick_acceleration(force, v, tau, turned, K.w0sq, K.f0) for force in (below, above)
@@ -509,17 +571,23 @@ def _flights_stay(
     """
     v = starts["v"]
     most_a = np.hypot(starts["Fb"], K.w0 * v) + abs(K.fB) * tau
-    off = 0.125 * tau * tau * ((K.cm + K.w0) * most_a + abs(K.fB))
+    if K.cm < 0.0:
+        most_a = most_a * np.exp(-K.cm * tau)
+    off = 0.125 * tau * tau * ((abs(K.cm) + K.w0) * most_a + abs(K.fB))
     off += CLEARANCE * (np.abs(v) + np.abs(end_v))
-    speeds = belt_speeds(K)
-    lower_walls = np.append(-np.inf, speeds + CLEARANCE * np.abs(speeds))
-    upper_walls = np.append(speeds - CLEARANCE * np.abs(speeds), np.inf)
-    domain = np.minimum(
-        starts["mode"].astype(int), len(lower_walls)
-    )  # a row on a belt is no flight
+    lower_walls = np.array([-inf, _beside(K.belt1.v, 1.0), _beside(K.belt2.v, 1.0)])
+    upper_walls = np.array([_beside(K.belt1.v, -1.0), _beside(K.belt2.v, -1.0), inf])
+    domain = np.minimum(starts["mode"].astype(int), ON_BELT)  # a row on a belt is no flight
     stays = np.minimum(v, end_v) - off > lower_walls[domain - 1]
     stays &= np.maximum(v, end_v) + off < upper_walls[domain - 1]
     return np.asarray(stays)
+
+
+def _beside(speed: float, side: float) -> float:
+    """Return a velocity that is beyond an edge, above (`side` 1) or below (-1), by a small part."""
+    if abs(speed) == inf:
+        return speed
+    return speed + side * CLEARANCE * abs(speed)
 
 
 # -- steps that need the event search --------------------------------------------------------------
@@ -535,28 +603,32 @@ class FollowedStarts(NamedTuple):
     events: StepEvents
 
 
-def _follow(rows: np.ndarray, left: np.ndarray, K: Constants) -> FollowedStarts:
-    """Follow each start event by event for its time `left`."""
-    batch = batch_of(rows.copy())
+def _follow(rows: np.ndarray, sets: np.ndarray, left: np.ndarray, bands: Bands) -> FollowedStarts:
+    """Follow each start event by event for its time `left`; `sets` are the numbers of its
+    constants.
+    """
+    batch = batch_of(rows.copy(), sets.copy())
     follow = _step_loop(len(rows))
-    numbers, table = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table_of([K])))
+    table = table_of(bands.rows)
+    numbers, codes = joined(follow_batch(follow, batch, MOST_STEP_EVENTS, inf, table))
     if loaded_loop() is None:  # these were interpreted: `_step_loop` compiles after too many
         FEW_STEPS.events -= len(rows)
     t, x, _, theta, *_ = numbers
-    step, kind, boundary, _, target, *_ = table
+    step, kind, boundary, _, target, *_ = codes
     events = StepEvents(step.astype(int), t, x, theta, kind, boundary, target)
     undecided = np.flatnonzero((batch.codes != END) & (batch.codes != REST))
     if len(undecided):
         # Where doubles could not decide, the starts are followed one by one.
         singles = list[tuple[Any, ...]]()
         for i in undecided.tolist():
-            singles += _follow_one(batch, rows, i, K)
-        table = np.array(singles, dtype=float).reshape(-1, len(StepEvents._fields))
-        columns = StepEvents(*table.T)
+            singles += _follow_one(batch, rows, int(sets[i]), i, bands)
+        columns = StepEvents(*np.array(singles, float).reshape(-1, len(StepEvents._fields)).T)
         integers = {name: getattr(columns, name).astype(int) for name in INTEGER_COLUMNS}
         events = _merged(events, columns._replace(**integers), undecided)
-    modes = batch.states["mode"].astype(int)
-    ends = _ends(rows, modes, left, events, K)
+    modes = bands.modes(batch.sets, batch.states["mode"])
+    ends = np.empty((len(rows), 2))
+    for row, here in groups(batch.sets):
+        ends[here] = _ends(batch.states[here], left[here], bands.rows[row])
     ends[batch.codes == FAILED] = np.nan
     return FollowedStarts(modes, ends, events)
 
@@ -574,40 +646,26 @@ def _step_loop(count: int) -> Callable[..., tuple[int, int, int]]:
     return loop if is_compiled(loop) or FEW_STEPS.events <= 0 else interpreted
 
 
-def _ends(
-    rows: np.ndarray, modes: np.ndarray, left: np.ndarray, events: StepEvents, K: Constants
-) -> np.ndarray:
-    """Return the final state [x, v] of each row in closed form, from its last event or, without
-    one, its start.
+def _ends(states: np.ndarray, left: np.ndarray, K: Constants) -> np.ndarray:
+    """Return the states [x, v] at times `left` in closed form, from the last ones of the event
+    search.
     """
-    theta = rows["theta"].copy()
-    x = rows["x"].copy()
-    v = rows["v"].copy()
-    a = rows["Fb"].copy()
-    left = left.copy()
-    lasts = np.flatnonzero(np.diff(events.step, append=-1))  # the last event of each step
-    i = events.step[lasts]
-    belt = belt_speeds(K)[events.boundary[lasts] - 1]
-    theta[i] = events.theta[lasts]
-    x[i] = events.x[lasts]
-    v[i] = belt
-    left[i] = left[i] - events.t[lasts]
-    # After a graze the acceleration begins with 0, after a slip with E, up or down.
-    A = np.array([K.A1, K.A2, K.A3, 0.0, 0.0])[modes[i] - 1]
-    jump = np.array([K.belt1.E, K.belt2.E])[events.boundary[lasts] - 1]
-    a[i] = (events.kind[lasts] == CROSS) * acceleration(
-        x[i], belt, np.cos(theta[i]), A, K.cm, K.w0sq, K.f0
-    ) + (events.kind[lasts] == SLIP) * np.where(modes[i] > events.boundary[lasts], jump, -jump)
-    E0, E1, E2, R2, I2, _, _ = entire_array.basis(left, K)
-    dx, dv, _ = motion(
-        v, a, np.sin(theta), np.cos(theta), K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2
-    )
-    held = modes > ON_BELT
-    return np.column_stack([x + np.where(held, v * left, dx), v + np.where(held, 0.0, dv)])
+    x = states["x"]
+    v = states["v"]
+    passed = states["t"] + (states["t_low"] + states["t"] * K.Om_gain)
+    tau = np.maximum(left - passed, 0.0)
+    a = states["Fb"]
+    E0, E1, E2, R2, I2, _, _ = entire_array.basis(tau, K)
+    dx, dv, _ = motion(v, a, states["s"], states["c"], K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
+    held = states["mode"] > ON_BELT
+    return np.column_stack([x + np.where(held, v * tau, dx), v + np.where(held, 0.0, dv)])
 
 
-def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tuple[Any, ...]]:
-    """Follow the start in row `i` event by event and return the events.
+def _follow_one(
+    batch: Batch, rows: np.ndarray, first: int, i: int, bands: Bands
+) -> list[tuple[Any, ...]]:
+    """Follow the start in row `i`, which has the constants number `first`, event by event and
+    return the events.
 
     Put its final state into the `batch`.
 
@@ -619,15 +677,26 @@ def _follow_one(batch: Batch, rows: np.ndarray, i: int, K: Constants) -> list[tu
     t_end_low = float(rows[i].t_end_low)
     events = list[tuple[Any, ...]]()
     code = MOVED
+    number = first
     while code not in (END, REST, FAILED) and len(events) < MOST_STEP_EVENTS:
-        code, boundary, _, _, state = advance(state, t_end, t_end_low, K)
+        K = bands.rows[number]
+        event = advance(state, t_end, t_end_low, K)
+        code = event.code
         if code <= GRAZE:
-            events.append((i, state.t, state.x, state.theta, code, boundary, state.mode))
+            kind, boundary, _, target = event_codes(state, event, K)
+            of_event = event.state
+            events.append((i, of_event.t, of_event.x, of_event.theta, kind, boundary, target))
+        state = event.state
+        way = band_beyond(state.mode, K)
+        if way:
+            state = entered(state, way)
+            number += way
     if code in (END, REST):
         batch.codes[i] = code
     else:
         batch.codes[i] = FAILED
     keep_state(batch.states[i], state)
+    batch.sets[i] = number
     return events
 
 

@@ -7,12 +7,11 @@ from math import cos, sin, sqrt
 
 import numpy as np
 
-from symosc.crosschecks.events import CODES, MODES
+from symosc.crosschecks.bands import BELT_OF, DOMAIN_CODES, DOMAIN_OF, MODES, STICK_CODES
+from symosc.crosschecks.events import CODES
 from symosc.crosschecks.steps import ExactSteps
 from symosc.engine.flow import derivatives
 from symosc.engine.next_event import passing_time
-from symosc.engine.state import ON_BELT
-from symosc.friction import NEIGHBOURS
 from symosc.kernels._generated import acceleration
 from symosc.simulation.trajectory import Event, Trajectory
 
@@ -58,13 +57,18 @@ class TimeTolerances:
         boundary = int(events.boundary[row])
         is_first = row == 0 or events.step[row - 1] != step
         if events.kind[row] == CODES["slip"]:
-            source = ON_BELT + boundary
+            source = int(STICK_CODES[boundary])
         elif is_first:
-            source = min(int(self.steps.first[step]), 3)
+            source = self._flight(int(self.steps.first[step]))
         else:  # the mode after the event before, a flight
-            source = min(int(events.target[row - 1]), 3)
+            source = self._flight(int(events.target[row - 1]))
         t, x, theta = (float(column[row]) for column in (events.t, events.x, events.theta))
         return self._tolerance(t, x, theta, boundary, source)
+
+    def _flight(self, mode: int) -> int:
+        """Return a mode if it is a flight, else the one in the domain above its belt."""
+        belt = int(BELT_OF[mode])
+        return int(DOMAIN_CODES[belt + 1]) if belt else mode
 
     def of_start(self, boundary: int) -> float:
         """Return how long after the first sample a solver may list its start on a belt as an
@@ -74,7 +78,8 @@ class TimeTolerances:
         x = float(self.steps.x[0])
         theta = float(self.steps.theta[0])
         return max(
-            self._tolerance(t, x, theta, boundary, domain) for domain in NEIGHBOURS[boundary]
+            self._tolerance(t, x, theta, boundary, int(DOMAIN_CODES[domain]))
+            for domain in (boundary, boundary + 1)
         )
 
     def of_near_graze(self, trajectory: Trajectory, time: float) -> float | None:
@@ -86,33 +91,26 @@ class TimeTolerances:
         if not inside:
             return None
         mode = MODES[trajectory.mode(time)]
-        if mode > ON_BELT:
+        domain = int(DOMAIN_OF[mode])
+        if not domain:
             return None
-        K = self.steps.K
         x, v = (float(value) for value in trajectory(time))
+        K, A = self.steps.bands.constants_at(domain, v)
         # The phase of the samples' clock does not lose digits at large times.
         step, _ = self.steps.at(time)
         theta = float(self.steps.theta[step] + K.Om * (time - self.steps.t[step]))
-        a = self._acceleration(x, v, theta, mode)
+        a = float(acceleration(x, v, cos(theta), A, K.cm, K.w0sq, K.f0))
         b, *_ = derivatives(v, a, sin(theta), cos(theta), K)
         curvature = abs(float(b))
         _, error_v = self._spread(time)
         spread = error_v + self.allowed_v
         # Near its turn v is a parabola, a^2/(2 curvature) away from its extreme value.
-        gap = min(abs(v - belt.v) for belt in (K.belt1, K.belt2))
+        gap = float(np.min(np.abs(v - self.steps.belts)))
         is_off_belt = gap > REACH_SAFETY * spread
         is_off_turn = a * a > 2.0 * REACH_SAFETY * spread * curvature
         if curvature == 0.0 or is_off_belt or is_off_turn:
             return None
         return REACH_SAFETY * sqrt(2.0 * spread / curvature)
-
-    def _acceleration(self, x: float, v: float, theta: float, domain: int) -> float:
-        """Return the acceleration of the mass at a state x, v and phase theta, with the force of a
-        domain.
-        """
-        K = self.steps.K
-        A = (K.A1, K.A2, K.A3)[domain - 1]
-        return float(acceleration(x, v, cos(theta), A, K.cm, K.w0sq, K.f0))
 
     def _spread(self, time: float) -> tuple[float, float]:
         """Return bounds of the errors of x and v around a time.
@@ -130,18 +128,19 @@ class TimeTolerances:
 
         `source` is the mode that it ends.
         """
-        K = self.steps.K
         dx, dv = self._spread(time)
-        v = (K.belt1, K.belt2)[boundary - 1].v
+        v = float(self.steps.belts[boundary - 1])
+        domain = int(DOMAIN_OF[source])
+        K, A = self.steps.bands.constants_at(domain or boundary, v)
         s = sin(theta)
         c = cos(theta)
         rate = max(K.Om, sqrt(K.w0sq))
-        if source > ON_BELT:  # the force passes 0, with known derivatives
+        if not domain:  # the force passes 0, with known derivatives
             error = K.w0sq * dx + rate * self.allowed_v
             slopes = -(K.w0sq * v + K.fB * s), -K.fB * K.Om * c, K.fB * K.Om * K.Om * s
         else:  # the velocity passes the belt's
             error = dv + self.allowed_v
-            a = self._acceleration(x, v, theta, source)
+            a = float(acceleration(x, v, c, A, K.cm, K.w0sq, K.f0))
             slopes = (a, *derivatives(v, a, s, c, K)[:2])
         passing = REACH_SAFETY * float(passing_time(error, *slopes, K))
         return passing + self.tolerance / rate + 4.0 * float(np.spacing(abs(time)))

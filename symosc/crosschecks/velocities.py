@@ -2,8 +2,9 @@
 
 Those with which the exact motion leads from one position to the next.
 
-In one domain the displacement over a step is linear in the velocity at its start, so each step has
-one velocity for each domain, and on a belt that of the belt. Where two steps agree about the sample
+In one domain, or band of a law that has bands, the displacement over a step is linear in the
+velocity at its start, so each step has one velocity for each domain or band, and on a belt that of
+the belt. Where two steps agree about the sample
 between them, that is its velocity. The exact motion leads over steps with an event, which agree
 with none. Where positions are rounded, over short steps, it is the velocity of an exact motion
 within their rounding at all times: the scene's own, or one with a fitted start.
@@ -20,10 +21,10 @@ import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
+from symosc.crosschecks.bands import Bands, bands_of
 from symosc.crosschecks.rounding import find_digits
 from symosc.crosschecks.samples import Samples, fastest_rate
 from symosc.crosschecks.steps import follow_from, phases
-from symosc.engine.arithmetic import Arithmetic
 from symosc.engine.flow import Constants
 from symosc.kernels import entire_array
 from symosc.kernels._generated import acceleration, motion
@@ -66,8 +67,6 @@ FIT_STEPS = 3
 TICK = 1e-4
 # Unknown velocities in a row that are continued one after another; gaps are shorter as a rule.
 MOST_CONTINUED = 100
-# Velocities of steps have a row for the flight in each domain, then one for the stick on each belt.
-FLIGHT_ROWS = 3
 # Fewest samples with a velocity on both sides, from which on none that agree shows a wrong motion.
 FEWEST_PAIRS = 20
 
@@ -77,7 +76,7 @@ def with_velocities(samples: Samples, scene: Scene | Model, tolerance: float) ->
     errors; ParameterError if the positions are too far apart in time to determine them.
     """
     p = model_of(scene)
-    K = Arithmetic(p).K._replace(sigmas=0.0)
+    bands = bands_of(p)
     digits = find_digits(samples.x, samples.x[:1])
     rounded = np.zeros(len(samples.x)) if digits is None else digits.units
     telling = _telling_samples(p, samples.t)
@@ -88,11 +87,11 @@ def with_velocities(samples: Samples, scene: Scene | Model, tolerance: float) ->
         if fitted is not None:
             return fitted
     few = replace(samples, t=samples.t[telling], x=samples.x[telling])
-    computed = _from_positions(few, scene, K, tolerance, rounded[telling])
+    computed = _from_positions(few, scene, bands, tolerance, rounded[telling])
     if len(telling) == len(samples.t):
         return computed
     left_out = len(telling) - len(computed.t)  # at the beginning
-    return _filled(K, p, samples, computed, telling[left_out:])
+    return _filled(bands, p, samples, computed, telling[left_out:])
 
 
 def _telling_samples(p: Model, t: np.ndarray) -> np.ndarray:
@@ -112,7 +111,7 @@ def _telling_samples(p: Model, t: np.ndarray) -> np.ndarray:
         chosen.append(after)
 
 
-def _filled(K: Constants, p: Model, samples: Samples, few: Samples, telling: np.ndarray) -> Samples:
+def _filled(bands: Bands, p: Model, samples: Samples, few: Samples, telling: np.ndarray) -> Samples:
     """Return samples with the velocities of `few`, which are those numbered `telling`, and between
     them.
 
@@ -136,8 +135,8 @@ def _filled(K: Constants, p: Model, samples: Samples, few: Samples, telling: np.
     )
     pairs = np.array([pair_t, pair_x, np.repeat(v_before, 2), phases(p, pair_t)])
     later = np.flatnonzero(t[between] > t[before])
-    on = (v_before == K.belt1.v) + 2 * (v_before == K.belt2.v)
-    changes = follow_from(K, pairs, 2 * later, on[later]).defects_of_v
+    on = bands.belts_at(v_before)
+    changes = follow_from(bands, pairs, 2 * later, on[later]).defects_of_v
     reached = v_before.copy()
     reached[later] += np.where(np.isfinite(changes), changes, 0.0)
     v[between] = reached
@@ -150,7 +149,7 @@ def _filled(K: Constants, p: Model, samples: Samples, few: Samples, telling: np.
 def _from_positions(
     samples: Samples,
     scene: Scene | Model,
-    K: Constants,
+    bands: Bands,
     tolerance: float,
     rounded: np.ndarray,
 ) -> Samples:
@@ -163,7 +162,8 @@ def _from_positions(
     tau = np.diff(t)
     theta = phases(p, t)
     size = float(np.max(np.abs(x)))
-    starts, ends = _flight_velocities(t, x, theta, K)
+    starts, ends = _flight_velocities(t, x, theta, bands)
+    flights = len(starts)
     # The error of v by unit of the error of x. Inner samples have a step on both sides.
     per_x = _errors_per_x(tau)
     allowed = per_x * (tolerance * size + rounded)
@@ -184,7 +184,7 @@ def _from_positions(
     off = np.minimum(per_x * errors_x, allowed)
     nearest = _nearest(starts, ends)
     agree = nearest.gaps <= 2.0 * off[1:-1]
-    v = _agreed(starts, ends, nearest, np.flatnonzero(agree))
+    v = _agreed(starts, ends, nearest, np.flatnonzero(agree), flights)
     if _is_start(scene, samples, tolerance * size + rounded[0]):
         # A stick may begin in the first step, so early that positions do not show it.
         off_x = float(errors_x[0] + errors_x[1])
@@ -194,7 +194,7 @@ def _from_positions(
     pairs = np.flatnonzero(np.isfinite(nearest.gaps))
     if np.isnan(v).all() and len(pairs) >= FEWEST_PAIRS:
         # These are positions of no exact motion: velocities of the first steps show that.
-        v = _agreed(starts, ends, nearest, pairs[:1])
+        v = _agreed(starts, ends, nearest, pairs[:1], flights)
     if np.isnan(v).all():
         raise ParameterError(
             "v", None, "is missing, and the positions are too far apart to tell it: give velocities"
@@ -204,9 +204,9 @@ def _from_positions(
     notes = (*samples.notes, NOTE)
     if known:
         notes = (*notes, f"{NOTE_OF_LEFT_OUT}: {known}")
-    v = _continued(K, t, x, v, theta)
+    v = _continued(bands, t, x, v, theta)
     # Inside a stick v is that of the belt; at its ends the mass may be just before or after it.
-    on = (v == K.belt1.v) | (v == K.belt2.v)
+    on = bands.belts_at(v) > 0
     stays_on = on & np.append(True, on[:-1]) & np.append(on[1:], True)
     off = np.where(stays_on, 0.0, off)
     return replace(samples, t=t[known:], x=x[known:], v=v[known:], v_off=off[known:], notes=notes)
@@ -373,43 +373,59 @@ def _is_start(
     return near and bool(np.isclose(samples.t[0], float(scene.t0), rtol=1e-14, atol=1e-14 + clock))
 
 
+class FlightRow(NamedTuple):
+    """The flights in one domain, or in one band of a law that has bands: the constants, the constant
+    force, and the velocities between which they lie.
+    """
+
+    K: Constants
+    A: float
+    low: float
+    high: float
+
+
+def _flight_rows(bands: Bands) -> list[FlightRow]:
+    """Return the flights that a law has."""
+    if not bands.is_plain:
+        return [FlightRow(K, K.A2, K.belt1.v, K.belt2.v) for K in bands.rows]
+    (K,) = bands.rows
+    return [
+        FlightRow(K, K.A1, -np.inf, K.belt1.v),
+        FlightRow(K, K.A2, K.belt1.v, K.belt2.v),
+        FlightRow(K, K.A3, K.belt2.v, np.inf),
+    ]
+
+
 def _flight_velocities(
-    t: np.ndarray, x: np.ndarray, theta: np.ndarray, K: Constants
+    t: np.ndarray, x: np.ndarray, theta: np.ndarray, bands: Bands
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocities at the starts and at the ends of flights over all steps, each (3, n - 1), a
-    row per domain.
+    """Return velocities at the starts and at the ends of flights over all steps, with a row for each
+    of `_flight_rows`.
     """
     tau = np.diff(t)
     s = np.sin(theta[:-1])
     c = np.cos(theta[:-1])
-    usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
-    E0, E1, E2, R2, I2, _, _ = entire_array.basis(
-        np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K
-    )
-
-    def changes(v: np.ndarray | float, A: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return how x and v change over each step in a flight that starts with v."""
-        a = acceleration(x[:-1], v, c, A, K.cm, K.w0sq, K.f0)
-        dx, dv, _ = motion(v, a, s, c, K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
-        return dx, dv
-
-    starts = np.full((3, len(tau)), np.nan)
-    ends = starts.copy()
-    walls = (-np.inf, K.belt1.v, K.belt2.v, np.inf)
-    for row, A in enumerate((K.A1, K.A2, K.A3)):
+    starts = []
+    ends = []
+    for K, A, low, high in _flight_rows(bands):
+        usable = (tau > 0.0) & (K.rate * tau < LONGEST_FLIGHT)
+        E0, E1, E2, R2, I2, _, _ = entire_array.basis(
+            np.where(usable, tau, 0.5 * LONGEST_FLIGHT / K.rate), K
+        )
+        responses = (K.cm, K.w0sq, K.f0, K.Om, E0, E1, E2, R2, I2)
         # dx is linear in v: its slope is (E1 + cm E2) - cm E2 = E1.
-        dx_from_rest, _ = changes(0.0, A)
+        from_rest = acceleration(x[:-1], 0.0, c, A, K.cm, K.w0sq, K.f0)
+        dx_from_rest, _, _ = motion(0.0, from_rest, s, c, *responses)
         v = (np.diff(x) - dx_from_rest) / E1
-        _, dv = changes(v, A)
+        a = acceleration(x[:-1], v, c, A, K.cm, K.w0sq, K.f0)
+        _, dv, _ = motion(v, a, s, c, *responses)
         end = v + dv
-        # A flight that begins or ends in another domain is none with this force.
-        low = walls[row]
-        high = walls[row + 1]
+        # A flight that begins or ends elsewhere is none with this force.
         inside = usable & (v >= low) & (v <= high)
         inside &= (end >= low) & (end <= high)
-        starts[row] = np.where(inside, v, np.nan)
-        ends[row] = np.where(inside, end, np.nan)
-    return starts, ends
+        starts.append(np.where(inside, v, np.nan))
+        ends.append(np.where(inside, end, np.nan))
+    return np.array(starts), np.array(ends)
 
 
 class NearestVelocities(NamedTuple):
@@ -445,13 +461,18 @@ def _nearest(starts: np.ndarray, ends: np.ndarray) -> NearestVelocities:
 
 
 def _agreed(
-    starts: np.ndarray, ends: np.ndarray, nearest: NearestVelocities, sure: np.ndarray
+    starts: np.ndarray,
+    ends: np.ndarray,
+    nearest: NearestVelocities,
+    sure: np.ndarray,
+    flights: int,
 ) -> np.ndarray:
     """Return the velocities of samples at which a flight to and one from them agree, and of their
     neighbours; else NaN.
 
     `sure` are the numbers of these samples, counted from the second one. `starts`, `ends` and
-    `nearest` are those of `_nearest`.
+    `nearest` are those of `_nearest`; their first rows, so many as `flights`, are of flights, the
+    others of sticks.
     """
     v = np.full(starts.shape[1] + 1, np.nan)
     # Step i leads from sample i to i + 1: the steps before and after these samples.
@@ -462,21 +483,21 @@ def _agreed(
     # Positions hardly show when in a step a stick begins. A later sample has its v from the steps
     # before it too. The second one has not: the exact motion tells it. The first one has nothing else
     # but the scene's start.
-    flown_to = (row_before < FLIGHT_ROWS) | (sure != 1)
+    flown_to = (row_before < flights) | (sure != 1)
     v[step_before[flown_to]] = starts[row_before, step_before][flown_to]
     v[step_after + 1] = ends[row_after, step_after]
     arrives = ends[row_before, step_before]
     leaves = starts[row_after, step_after]
     # A belt's velocity is exact.
-    is_on_belt = row_before >= FLIGHT_ROWS
-    leaves_belt = row_after >= FLIGHT_ROWS
+    is_on_belt = row_before >= flights
+    leaves_belt = row_after >= flights
     mean = 0.5 * (arrives + leaves)
     v[step_after] = np.where(is_on_belt, arrives, np.where(leaves_belt, leaves, mean))
     return v
 
 
 def _continued(
-    K: Constants, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray
+    bands: Bands, t: np.ndarray, x: np.ndarray, v: np.ndarray, theta: np.ndarray
 ) -> np.ndarray:
     """Fill in unknown velocities by the exact motion from the sample before.
 
@@ -486,10 +507,10 @@ def _continued(
         steps = np.flatnonzero(np.isnan(v[1:]) & ~np.isnan(v[:-1]))
         if not len(steps):
             break
-        on = (v[steps] == K.belt1.v) + 2 * (v[steps] == K.belt2.v)
+        on = bands.belts_at(v[steps])
         # Unknown velocities count as 0, so that their defects are the exact velocities themselves.
         samples = np.array([t, x, np.where(np.isnan(v), 0.0, v), theta])
-        followed = follow_from(K, samples, steps, on).defects_of_v
+        followed = follow_from(bands, samples, steps, on).defects_of_v
         v[steps + 1] = np.where(np.isnan(followed), v[steps], followed)
     unknown = np.isnan(v)
     if np.any(unknown):

@@ -6,7 +6,7 @@ changed samples again, and the result that a user gets is a verdict that can be 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -31,9 +31,10 @@ from symosc.crosschecks.samples import SAMPLE_COLUMNS, Samples, check_joints, fa
 from symosc.crosschecks.separation import Separation, separation_at, separation_note
 from symosc.crosschecks.steps import (
     ExactSteps,
+    contracts,
     double_rounding,
     follow_steps,
-    has_static,
+    least_damping,
     propagated,
     push_bound,
     sample_errors,
@@ -70,6 +71,8 @@ LIMIT_IN_PLACES = 5.0
 LIMIT_IN_TOLERANCES = 100.0
 # So often the exact motion is begun again where neighbours move apart.
 MOST_SEPARATIONS = 1_000
+# From so many points on a friction curve may stand for a smooth function.
+POINTS_OF_FUNCTION = 16
 # Reasons of wrong steps that have nothing to do with a belt.
 WITHOUT_BELT = ("local error", "outlier")
 
@@ -427,7 +430,7 @@ class Comparison:
         self.rounding = rounding
         self.listed = listed
         self.loose = sample_errors(task.parameters, task.samples, rounding)
-        self.contracts = not has_static(task.parameters)
+        self.contracts = contracts(task.parameters)
         self._compare_states()  # sets start, trajectory, until, scales, errors and limits
         self._compare_steps()  # sets near, allowed, steps, wrong and spans
         self.separations = list[Separation]()
@@ -468,12 +471,14 @@ class Comparison:
     def _wrong_steps(self, steps: ExactSteps, allowed: np.ndarray, box: np.ndarray) -> np.ndarray:
         """Return which steps are wrong.
 
-        With static friction add to `allowed`, for steps near a belt that seem to be, what the
-        exact motion makes of an error of the sample before; `box` are the largest such errors.
+        Where motions may move apart add to `allowed`, for steps that seem to be and may have such
+        a place, what the exact motion makes of an error of the sample before; `box` are the largest
+        such errors.
         """
         wrong = _are_wrong(steps.defects, allowed)
         if not self.contracts:
-            doubted = np.flatnonzero(wrong & (np.diff(steps.t) > 0.0) & steps.may_meet_belts(box))
+            may_grow = steps.may_meet_belts(box) | (least_damping(steps.parameters) < 0)
+            doubted = np.flatnonzero(wrong & (np.diff(steps.t) > 0.0) & may_grow)
             allowed[doubted] += spread_of_steps(steps, doubted, box[doubted])
             wrong = _are_wrong(steps.defects, allowed)
         return wrong
@@ -674,8 +679,9 @@ class Comparison:
             is_allowed = np.any(self.rounding) or np.any(self.listed)
             at_it = "; they are judged at that precision" if is_allowed else ""
             notes.append(f"the samples are rounded: {', '.join(texts)}{at_it}")
+        notes += _notes_of_curves(task.parameters)
         if self.separations:
-            notes.append(separation_note(self.separations, self.until))
+            notes.append(separation_note(task.parameters, self.separations, self.until))
         elif self.until < samples.t[-1]:
             ends = f"the exact motion ends at t = {self.until:.10g} ({self.trajectory.message})"
             notes.append(f"{ends}; later only steps are compared")
@@ -691,6 +697,24 @@ class Comparison:
                 "every step is right, but their errors add up, or the start is another one"
             )
         return notes
+
+
+def _notes_of_curves(p: Model) -> Iterator[str]:
+    """Yield what is to be said of curves with so many points that they may stand for a function."""
+    for number, belt in enumerate(p.law.belts, 1):
+        if len(belt.curve) < POINTS_OF_FUNCTION:
+            continue
+        w, mu = np.array(belt.curve, dtype=float).T
+        widths = np.diff(w)
+        slopes = np.diff(mu) / widths
+        # Between points a width h apart a line is off by h^2/8 of the second derivative.
+        bends = np.abs(np.diff(slopes)) / (0.5 * (widths[1:] + widths[:-1]))
+        off = float(np.max(bends * np.maximum(widths[1:], widths[:-1]) ** 2)) / 8.0
+        yield (
+            f"the samples are compared with a friction of belt {number} that is linear between the "
+            f"{len(w)} points of its curve; from a smooth function through them it is off by up to "
+            f"about {off:.1g} in mu"
+        )
 
 
 def _are_wrong(defects: np.ndarray, allowed: np.ndarray) -> np.ndarray:

@@ -7,21 +7,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import islice
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from law_reference import REFERENCES
 from samples import sample_of
+from solution_ways import TOLERANCE, WAYS, even, scene_of, told
 from stiction_solver import Mistakes, Solved, UnclearError, regularised, solved
 
-from symosc import Belt, CrossCheck, Oscillator, Scene, crosscheck, simulate
+from symosc import Belt, Oscillator, Scene, crosscheck, simulate
 
 Rng = np.random.Generator
 Start = tuple[float, float, float]
-Given = tuple[tuple[Any, ...], dict[str, Any]]
-TOLERANCE = 1e-8
 #: The chaotic scene S4: twins separate at the rate 0.0213.
 CHAOS = Oscillator(
     m=1, c="0.05", k=1, B0="0.6", Omega="1.4", belts=[Belt("0.1", mu="0.7", mu_s="1.26")]
@@ -63,83 +61,7 @@ def problems(seed: int) -> Iterator[tuple[Oscillator, Start, float, Solved, Rng]
             yield p, start, t_end, right, rng
 
 
-def scene_of(p: Oscillator, start: Start, t_end: float) -> Scene:
-    return Scene("random", p, *start, t_end)  # type: ignore[arg-type]
-
-
-def told(check: CrossCheck) -> str:
-    counts = {
-        name: len(getattr(check, name))
-        for name in ("missed", "invented", "wrong_steps", "wrong_spans")
-    }
-    return (
-        f"{counts}, off by {check.max_error_x:.2g}, {check.max_error_v:.2g}; "
-        f"{check.notes} {check.first_wrong}"
-    )
-
-
 # -- right solutions -------------------------------------------------------------------------------
-
-
-def even(t_end: float, rng: Rng, least: int = 60, most: int = 800) -> np.ndarray:
-    return np.linspace(0.0, t_end, int(rng.integers(least, most)))
-
-
-def columns(solution: Any, t_end: float, events: Any, rng: Rng) -> Given:
-    t = even(t_end, rng)
-    return (t, *solution(t)), {}
-
-
-def coarse(solution: Any, t_end: float, events: Any, rng: Rng) -> Given:
-    t = np.unique([0.0, t_end, *rng.uniform(0.0, t_end, int(rng.integers(8, 40)))])
-    return (t, *solution(t)), {}
-
-
-def decimals(solution: Any, t_end: float, events: Any, rng: Rng) -> Given:
-    t = even(t_end, rng)
-    return (t, *np.round(solution(t), int(rng.integers(6, 13)))), {}
-
-
-def positions(solution: Any, t_end: float, events: Any, rng: Rng) -> Given:
-    t = even(t_end, rng, 400, 1200)
-    return (t, solution(t)[0]), {}
-
-
-def with_list(solution: Any, t_end: float, events: Any, rng: Rng) -> Given:
-    t = even(t_end, rng)
-    return (t, *solution(t)), {"events": events}
-
-
-def function(solution: Any, t_end: float, events: Any, rng: Rng) -> Given:
-    return (lambda t: solution(t),), {}
-
-
-def own_steps(solution: Any, t_end: float, events: Any, rng: Rng) -> Given:
-    if isinstance(solution, Solved):
-        return tuple(solution.own_steps), {}
-    times = np.unique([0.0, t_end, *(t for t, _ in events), *even(t_end, rng)])
-    return (times, *solution(times)), {}
-
-
-def result(solution: Any, t_end: float, events: Any, rng: Rng) -> Given:
-    if isinstance(solution, Solved):
-        t, *states = solution.own_steps
-    else:
-        t = even(t_end, rng)
-        states = list(solution(t))
-    return (SimpleNamespace(t=t, y=np.array(states), success=True),), {}
-
-
-WAYS: list[Callable[..., Given]] = [
-    columns,
-    coarse,
-    decimals,
-    own_steps,
-    with_list,
-    positions,
-    function,
-    result,
-]
 
 
 @pytest.mark.slow

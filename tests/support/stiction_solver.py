@@ -1,11 +1,13 @@
 """A careful user of scipy who knows static friction, and the mistakes that others make.
 
 A mass that reaches a belt sticks if the force needed to hold it is at most the static friction, and
-slips when more is needed. It shares nothing with the package but the numbers of the oscillator.
+slips when more is needed. Kinetic friction may depend on the relative speed. It shares nothing with
+the package but the numbers of the oscillator.
 """
 
 from __future__ import annotations
 
+from bisect import bisect
 from dataclasses import dataclass, field
 from math import cos, tanh
 from typing import Any
@@ -34,7 +36,8 @@ class Mistakes:
     Static friction is multiplied by `static`, but at least kinetic. With `crosses` a belt that is
     met is passed where kinetic friction does not hold the mass (Filippov). Slips come later by
     `delay`. Sticks shorter than `shortest` are passed over. A belt is met only if the speed is
-    beyond it by `blind`.
+    beyond it by `blind`. With `absolute` the friction curves are over |v|, not over the relative
+    speed.
     """
 
     static: float = 1.0
@@ -43,6 +46,7 @@ class Mistakes:
     delay: float = 0.0
     shortest: float = 0.0
     blind: float = 0.0
+    absolute: bool = False
 
 
 @dataclass
@@ -69,6 +73,14 @@ class _Solver:
         )
         self.speeds = [float(belt.v) for belt in p.belts]
         self.kinetic = [float(belt.mu) * self.FN for belt in p.belts]
+        self.curves = [
+            (
+                [float(w) for w, _ in belt.curve],
+                [float(mu) for _, mu in belt.curve],
+                float(belt.slope),
+            )
+            for belt in p.belts
+        ]
         self.static = [float(belt.mu_s) * self.FN for belt in p.belts]
         if mistakes.kinetic_only:
             self.static = self.kinetic
@@ -80,18 +92,31 @@ class _Solver:
         self.solved = Solved()
         self.size = 1e-3
 
+    def friction(self, n: int, v: float) -> float:
+        """Return the size of the kinetic friction of a belt at a velocity."""
+        speeds, values, slope = self.curves[n]
+        if not speeds:
+            return self.kinetic[n]
+        w = abs(v) if self.mistakes.absolute else abs(v - self.speeds[n])
+        i = bisect(speeds, w) - 1
+        if i + 1 == len(speeds):
+            return self.FN * (values[i] + slope * (w - speeds[i]))
+        share = (w - speeds[i]) / (speeds[i + 1] - speeds[i])
+        return self.FN * (values[i] + share * (values[i + 1] - values[i]))
+
     def others(self, t: float, x: float, v: float, at: int | None) -> float:
         """Return the force of everything but the belt `at`, in a domain or on this belt."""
         force = self.A0 + self.B0 * cos(self.Om * t) - self.k * x - self.c * v
         for n, speed in enumerate(self.speeds):
             if n != at:
-                force += self.kinetic[n] if v < speed else -self.kinetic[n]
+                force += self.friction(n, v) if v < speed else -self.friction(n, v)
         return force
 
     def push(self, domain: int, t: float, x: float, v: float) -> float:
         """Return the acceleration above `domain` belts."""
         force = self.A0 + self.B0 * cos(self.Om * t) - self.k * x - self.c * v
-        force += sum(self.kinetic[domain:]) - sum(self.kinetic[:domain])
+        for n in range(len(self.speeds)):
+            force += self.friction(n, v) if n >= domain else -self.friction(n, v)
         return force / self.m
 
     def clear(self, value: float) -> float:
@@ -242,9 +267,8 @@ def regularised(
     def slopes(t: float, y: Any) -> tuple[float, float]:
         x, v = y
         force = solver.A0 + solver.B0 * cos(solver.Om * t) - solver.k * x - solver.c * v
-        for speed, kinetic, static in zip(
-            solver.speeds, solver.kinetic, solver.static, strict=True
-        ):
+        for n, (speed, static) in enumerate(zip(solver.speeds, solver.static, strict=True)):
+            kinetic = solver.friction(n, v)
             z = (v - speed) / width
             force -= tanh(z) * (kinetic + (static - kinetic) * float(np.exp(-min(z * z, 50.0) / 4)))
         return v, force / solver.m
