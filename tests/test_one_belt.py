@@ -72,6 +72,14 @@ def test_every_answer_has_one_word(one: Oscillator, text: str, of_two: str) -> N
     assert (find_orbit(model).word, find_orbit(model).parameters) == (text, one)
 
 
+def test_another_model_has_the_word_of_its_belts() -> None:
+    one = CROSSING.belts[0]
+    for belts, text in (([one], "B1∘A1"), ([one, Belt(3, mu="1/10")], "P32")):
+        model = OtherModel(**NUMBERS, belts=belts)  # type: ignore[arg-type]
+        assert frequency_response(model, {"Omega": [0.5]}).word.tolist() == [text]
+        assert find_orbit(model).word == text
+
+
 @pytest.mark.parametrize(("one", "text", "of_two"), ONE)
 def test_the_orbit_is_that_beside_a_belt_far_away(one: Oscillator, text: str, of_two: str) -> None:
     two = find_orbit(beside_another(one))

@@ -683,7 +683,8 @@ def cycle_response(
 
 def _word(model: OtherModel, orbit: PeriodicOrbit) -> str:
     """Return the word of an orbit, with the labels of the model's belts."""
-    return str(of_belts(Word(orbit.labels), 1 if model.v2 is None else 2).cycle)
+    belts = len(model.oscillator.law.belts)
+    return str(of_belts(Word(orbit.labels), belts).cycle)
 
 
 def _excitation(model: OtherModel) -> Harmonic:
