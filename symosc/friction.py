@@ -195,14 +195,22 @@ class StraightPiece(NamedTuple):
     slope: Any
 
 
-def kinetic_lines(belt: BeltNumbers) -> list[StraightPiece]:
-    """Return the straight pieces of a belt's kinetic friction, from the relative speed 0 on."""
+def kinetic_pieces(belt: BeltNumbers) -> list[StraightPiece]:
+    """Return a straight piece of a belt's kinetic friction for each point of its curve."""
     points = belt.curve or [(Fraction(0), belt.mu)]
     slopes = [(high - low) / (end - begin) for (begin, low), (end, high) in pairwise(points)]
+    return [
+        StraightPiece(begin, mu - slope * begin, slope)
+        for (begin, mu), slope in zip(points, [*slopes, belt.slope], strict=True)
+    ]
+
+
+def kinetic_lines(belt: BeltNumbers) -> list[StraightPiece]:
+    """Return the straight pieces of a belt's kinetic friction, from the relative speed 0 on."""
     lines = list[StraightPiece]()
-    for (begin, mu), slope in zip(points, [*slopes, belt.slope], strict=True):
-        if not lines or slope != lines[-1].slope:  # no corner between two pieces of one line
-            lines.append(StraightPiece(begin, mu - slope * begin, slope))
+    for piece in kinetic_pieces(belt):
+        if not lines or piece.slope != lines[-1].slope:  # no corner between two pieces of one line
+            lines.append(piece)
     return lines
 
 

@@ -8,30 +8,35 @@ derivatives are those of the side on which the touch opens, `regular` is False f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from math import inf, log, nan, sqrt
+from math import inf, nan
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from symosc.analysis.banded import CORNER_ON_BELT, BandedColumns
+from symosc.analysis.law_gradients import LawGradients, with_all_points
+from symosc.analysis.motion_columns import (
+    LEAST_EVENTS,
+    MotionColumns,
+    both_exponents,
+    cuts_of_parts,
+    error_of_mean,
+)
 from symosc.base.aliases import NumberLike, SceneName
 from symosc.base.arguments import ARRAY_LIKE, NAMES, NUMBER, WHOLE, public, require, require_or_none
 from symosc.base.display.drawable import Comparable
 from symosc.engine import tangent
-from symosc.engine.arithmetic import many_digits, mp_context
-from symosc.engine.flow import table_of
+from symosc.engine.arithmetic import many_digits
 from symosc.engine.start import Start
 from symosc.engine.state import GRAZE, ON_BELT
-from symosc.kernels import linear
 from symosc.kernels.entire import EPS
-from symosc.mappings.equations import MapArithmetic, map_arithmetic
 from symosc.model import Model
 from symosc.scenes import Scene, scene_of
-from symosc.simulation.loops import CHOICE
 from symosc.simulation.problems import number_of
 from symosc.simulation.simulate import read_start, simulate
 from symosc.simulation.tangents import (
@@ -44,23 +49,16 @@ from symosc.simulation.tangents import (
 )
 from symosc.simulation.trajectory import Trajectory, read_times
 
-#: Digits beyond those that are asked for, and digits of the phase of a start in doubles.
-SPARE = 10
-PHASE_DIGITS = 40
 #: Digits to compute derivatives with if double precision loses too many.
 MORE_DIGITS = 30
-#: Parts of a motion whose exponents tell how much the mean of all scatters, and the least number of
-#: events to divide.
-PARTS = 16
-LEAST_EVENTS = 4 * PARTS
-#: With more events or times than this, compiled code is looked for on disk.
-MANY = 2_000
 #: Why a derivative does not exist, by the code of the reason.
 REASONS = {
     tangent.NO_SLOPE: "the force that ends the stick at t = {t:.6g} has no slope there, up to "
     "rounding",
     tangent.FLAT_CONTACT: "the contact at t = {t:.6g} has no slope, up to rounding",
     tangent.NO_FORCE: "a force on belt {belt} vanishes at t = {t:.6g}, up to rounding",
+    CORNER_ON_BELT: "where the stick ends at t = {t:.6g}, belt {belt} has the speed of a corner of "
+    "another belt's friction",
 }
 
 
@@ -104,7 +102,7 @@ class Sensitivities(Comparable):
     dx: np.ndarray
     regular: np.ndarray
     reasons: tuple[str | None, ...]
-    _motion: _Columns = field(repr=False)
+    _motion: _PlainColumns | BandedColumns = field(repr=False)
 
     @cached_property
     def lyapunov(self) -> np.ndarray:
@@ -151,19 +149,15 @@ class Sensitivities(Comparable):
         return f"<Sensitivities of {len(self.dt)} events by {', '.join(self.wrt)}{about}>"
 
 
-class _Columns:
-    """A motion with its events as columns of doubles or mpmath numbers.
+class _PlainColumns(MotionColumns):
+    """A motion that one row of constants is enough for, with its events as columns.
 
     Its methods compute all derivatives.
     """
 
     def __init__(self, trajectory: Trajectory, start: Start) -> None:
+        super().__init__(trajectory)
         p = trajectory.parameters
-        self.trajectory = trajectory
-        if self.context is None:
-            self.kind: Any = float
-        else:
-            self.kind = object
         number = self.numbers.number
         piece = trajectory._pieces[:, 0]
         letters = [number(number_of(p, name)) for name in tangent.Letters._fields]
@@ -184,36 +178,6 @@ class _Columns:
             ]
             # The rest of a row, after these four, is the same in any arithmetic.
             self.rows = (*np.array(exact, dtype=object), *self.rows[len(names) :])
-
-    @property
-    def context(self) -> Any:
-        """The mpmath context of the numbers, None for doubles.
-
-        It is not stored, as a context cannot be pickled.
-        """
-        digits = self.trajectory.digits
-        if digits is None:
-            return None
-        return mp_context(digits + SPARE)
-
-    @property
-    def numbers(self) -> MapArithmetic:
-        """The constants of the motion, kernels by name and a conversion of Fractions, for doubles
-        or for mpmath.
-        """
-        return map_arithmetic(self.trajectory.parameters, self.context)
-
-    def loop(self, name: str, count: int) -> tuple[Callable[..., None], Any]:
-        """Return the function `name` of `symosc.engine.tangent` for `count` events or times, and
-        constants for it.
-        """
-        if self.context is None:
-            compiled = CHOICE.of_derivatives_on_disk(count > MANY)
-        else:
-            compiled = None
-        if compiled:
-            return compiled[name], table_of([self.numbers.K])
-        return self.numbers.of[name], [self.numbers.K]
 
     def event_derivatives(
         self, wrt: tuple[str, ...], count: int, first_events: int | None = None
@@ -328,35 +292,21 @@ class _Columns:
             volume -= float(self.numbers.K.cm * (end - begin))
         else:
             volume -= inf
-        stretch = linear.largest_stretch(out[:, 0].astype(float))
         _, t_start, *_ = self.starts[0]
-        span = float(end - t_start)
-        if stretch > 0.0:
-            first = (grown + log(stretch)) / span
-        else:
-            first = -inf
-        if volume > -inf:
-            # Both exponents together are the growth of areas.
-            second = volume / span - first
-        else:
-            second = -inf
-        return np.array(sorted((first, second), reverse=True))
+        return both_exponents(grown, out[:, 0], volume, float(end - t_start))
 
     def exponent_error(self) -> float:
-        """Return the standard error of the first exponent, from its values in PARTS parts of the
-        motion.
-        """
+        """Return the standard error of the first exponent, from its values in parts of the motion."""
         events = len(self.rows[0])
         if events < LEAST_EVENTS:
             return nan
-        ends = np.linspace(0, events, PARTS + 1).astype(int)
+        cuts = cuts_of_parts(events)
         grown = [0.0]
-        for end in ends[1:].tolist():
+        for end in cuts:
             *_, growth, _ = self.event_derivatives(("x0", "v0"), 0, end)
             grown.append(float(growth[0, 0]))
-        times = [self.starts[0, 1], *self.rows[0][ends[1:] - 1]]
-        rates = np.diff(grown) / np.diff(np.array(times, dtype=float))
-        return float(rates.std(ddof=1) / sqrt(PARTS))
+        times = self.rows[0]
+        return error_of_mean(grown, [self.starts[0, 1], *(times[end - 1] for end in cuts)])
 
 
 @public
@@ -380,7 +330,8 @@ def sensitivities(
         The motion, as for `symosc.simulate`.
     wrt : str or sequence of str
         Names of parameters, and t0, x0, v0. Those of belts are v1, mu1, mu_s1, v2 and so on; where
-        static friction equals kinetic friction, mu1 is both.
+        static friction equals kinetic friction, mu1 is both. Where friction depends on speed, w1_1,
+        mu1_1, slope1 and so on are those of the curve (`Oscillator`).
 
     Returns
     -------
@@ -409,7 +360,7 @@ def sensitivities(
     if start.start_error:
         about["start_error"] = start.start_error
     motion = simulate(start.parameters, **about, digits=digits)
-    columns = _Columns(motion, start)
+    columns = _columns_of(motion, start, names, about)
     dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
     belts = max(abs(float(belt.v)) for belt in start.parameters.law.belts)
     # A rounding that dx may have from v dt, relative to max(1, |dx|): with t0 = 1e8 all times
@@ -419,7 +370,7 @@ def sensitivities(
         exact = simulate(start.parameters, **about, digits=MORE_DIGITS)
         # If the kinds differ, doubles followed another motion: its derivatives are left as they are.
         if [event.kind for event in exact.events] == [event.kind for event in motion.events]:
-            columns = _Columns(exact, start)
+            columns = _columns_of(exact, start, names, about)
             dt, dx, marks, why, *_ = columns.event_derivatives(names, len(names))
             dt = dt.astype(float)
             dx = dx.astype(float)
@@ -428,8 +379,26 @@ def sensitivities(
     )
 
 
+def _columns_of(
+    motion: Trajectory, start: Start, wrt: tuple[str, ...], about: dict[str, Any]
+) -> _PlainColumns | BandedColumns:
+    """Return the motion in columns for its derivatives by `wrt`; `about` says how it was simulated."""
+    model = start.parameters
+    if model.law.is_plain:
+        return _PlainColumns(motion, start)
+    if LawGradients(model, wrt).bends_a_line:
+        finer = simulate(with_all_points(model), **about, digits=motion.digits)
+        # If the kinds differ, one of them followed another motion, see `sensitivities`.
+        if [event.kind for event in finer.events] == [event.kind for event in motion.events]:
+            motion = finer
+    return BandedColumns(motion, start)
+
+
 def _reasons(
-    columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray, codes: np.ndarray
+    columns: _PlainColumns | BandedColumns,
+    wrt: tuple[str, ...],
+    marks: np.ndarray,
+    codes: np.ndarray,
 ) -> tuple[str | None, ...]:
     """Return for each event why the motion is not differentiable from there on, None where it is.
 
@@ -454,7 +423,9 @@ def _reasons(
     return tuple(reasons)
 
 
-def _kink_at_start(columns: _Columns, wrt: tuple[str, ...], marks: np.ndarray) -> str | None:
+def _kink_at_start(
+    columns: _PlainColumns | BandedColumns, wrt: tuple[str, ...], marks: np.ndarray
+) -> str | None:
     """Return a text on why a start on a belt is not differentiable, with the names concerned; None
     if it is.
 

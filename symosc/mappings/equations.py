@@ -290,39 +290,42 @@ def _parameter_jacobian(
 # --- arithmetics ---
 
 
-def map_arithmetic(p: Model, context: Context | None = None) -> MapArithmetic:
+def map_arithmetic(p: Model, context: Context | None = None, row: int = 0) -> MapArithmetic:
     """Return constants and kernel functions for maps of single numbers: doubles, or numbers of an
     mpmath context.
+
+    The constants are those of a row of the law (`symosc.friction.FrictionLaw.rows`).
     """
     if context is None:
-        return _doubles(p)
-    return _mp_numbers(p, context, context.prec)
+        return _doubles(p, row=row)
+    return _mp_numbers(p, context, context.prec, row)
 
 
 @lru_cache(maxsize=128)
-def _doubles(p: Model, arrays: bool = False) -> MapArithmetic:
+def _doubles(p: Model, arrays: bool = False, row: int = 0) -> MapArithmetic:
     """Return constants and kernel functions for maps in doubles, of single numbers or of numpy
     arrays.
     """
     if not arrays:
-        return MapArithmetic(constants(p, driven=True), vars(mapping) | vars(tangent), float)
+        K = constants(p, driven=True, row=row)
+        return MapArithmetic(K, vars(mapping) | vars(tangent), float)
     names = {name: column_functions()[name] for name in ("sin", "cos", "basis")}
     return MapArithmetic(constants(p, driven=True), bind((mapping,), names), float)
 
 
-@lru_cache(maxsize=16)
-def _mp_numbers(p: Model, context: Context, precision: int) -> MapArithmetic:
+@lru_cache(maxsize=64)
+def _mp_numbers(p: Model, context: Context, precision: int, row: int = 0) -> MapArithmetic:
     """Return constants and kernel functions for maps of mpmath numbers with the context's
     `precision` in bits.
     """
     from symosc.kernels.multiprecision import BasisMP
 
     number = partial(number_of, context=context)
-    K = constants(p, number, context.sqrt, context.atan2, +context.pi, driven=True)
+    K = constants(p, number, context.sqrt, context.atan2, +context.pi, driven=True, row=row)
     names = {
         "complex": context.mpc,
         "EPS": context.ldexp(1, -precision),
-        "basis": BasisMP(context, p),
+        "basis": BasisMP(context, p, row=row),
     }
     names |= {name: getattr(context, name) for name in ("exp", "sin", "cos", "floor")} | {
         "TWO_PI": 2 * context.pi

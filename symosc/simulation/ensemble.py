@@ -169,7 +169,8 @@ def simulate_many(
         of its columns.
     wrt : str or sequence of str, optional
         Names of parameters, and t0, x0, v0, by which all events are differentiated, as by
-        `symosc.sensitivities`: the table then has dt, dx and regular.
+        `symosc.sensitivities`: the table then has dt, dx and regular. At most two belts, whose
+        friction does not depend on speed.
     skip, sections : optional
         For summaries: the time from t0 on, in the unit of t_end, that is left out as a transient
         (one for all motions, or one for each), and the number of sections that are kept.
@@ -215,9 +216,15 @@ def simulate_many(
             if value is not usual and not (isinstance(value, int) and value == usual):
                 allowed = 'pass record="summary", or names of its columns'
                 raise ParameterError(name, value, f"{name} applies to summaries only; {allowed}")
-        if wrt is None:
-            names: tuple[str, ...] = ()
-        else:
+        names: tuple[str, ...] = ()
+        if wrt is not None:
+            if not problems.sets.are_plain:
+                raise ParameterError(
+                    "wrt",
+                    wrt,
+                    "is for at most two belts whose friction does not depend on speed; "
+                    "`sensitivities` differentiates a motion under any law",
+                )
             names = read_wrt(wrt, names_of(problems.sets[0]))
         work = partial(events_of, task, names, use_numba)
     elif wrt is not None:

@@ -24,13 +24,10 @@ CODED = (*PARAMETER_NAMES, *STATIC_NAMES, *START_COLUMNS)
 def names_of(p: Model) -> tuple[str, ...]:
     """Return all names with respect to which a motion can be differentiated.
 
-    A belt whose static coefficient equals the kinetic one has one coefficient, mu. A law of several
-    bands is refused.
+    A belt whose static coefficient equals the kinetic one has one coefficient, mu.
     """
-    if not p.law.is_plain:
-        _ = p.parameters
     equal = [f"mu_s{n}" for n, belt in enumerate(p.law.belts, 1) if belt.mu_s in (None, belt.mu)]
-    own = [name for name in p.numbers() if name in CODED and name not in equal]
+    own = [name for name in p.numbers() if name not in equal]
     return (*own, *START_COLUMNS)
 
 
