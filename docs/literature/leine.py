@@ -1,0 +1,91 @@
+"""R. I. Leine, D. H. van Campen, A. de Kraker and L. van den Steen, Stick-slip vibrations induced by
+alternate friction models, Nonlinear Dynamics 16 (1998), 41-54, doi:10.1023/A:1008289604683.
+
+The paper was not at hand; its example was read in the test code of IFDIFF (Bock, Kirches, Meyer and
+Potschka), which begins in x = 1.133944669704, v = 0, "in maximal value of system": a mass on a belt,
+m = k = 1, c = 0, V = 0.2, with the friction 1/(1 + 3 w) of the relative speed w. In symosc the law is
+piecewise linear. With n pieces that get longer with w the error falls with 1/n^2, so that two
+values give a better one (Richardson). The formula is the smooth law, integrated with 30 digits. Of
+the 12 digits of the test code 8 are right.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import cache
+from typing import Any, NamedTuple
+
+from wall import MP, Row, number, show
+
+from symosc import Belt, Oscillator, simulate
+
+SPEED = Fraction(1, 5)
+#: What is beyond the largest relative speed of the cycle.
+UNTIL = Fraction(3, 2)
+PIECES = (8, 64, 128, 256)
+#: Times of the slip from which Newton's method finds the largest position and the end.
+TURN = "0.85"
+END = "4.296"
+
+
+class Cycle(NamedTuple):
+    """The largest position, the duration of the slip, and the period."""
+
+    x_max: Any
+    slip: Any
+    period: Any
+
+
+def friction(w: Any) -> Any:
+    """Return the friction at a relative speed."""
+    return 1 / (1 + 3 * w)
+
+
+@cache
+def smooth() -> Cycle:
+    """Return the cycle of the smooth law: it slips from x = 1, where the spring pulls with 1."""
+    V = number(SPEED)
+    flight = MP.odefun(lambda t, y: [y[1], friction(V - y[1]) - y[0]], 0, [MP.mpf(1), V])
+    turn = MP.findroot(lambda t: flight(t)[1], MP.mpf(TURN))
+    slip = MP.findroot(lambda t: flight(t)[1] - V, MP.mpf(END))
+    x_max, _ = flight(turn)
+    x_end, _ = flight(slip)
+    return Cycle(x_max, slip, slip + (1 - x_end) / V)
+
+
+@cache
+def by_pieces(n: int) -> Cycle:
+    """Return the cycle of the law with n pieces, the shortest of which are at the belt."""
+    places = [UNTIL * Fraction(i, n) ** 2 for i in range(n + 1)]
+    belt = Belt(SPEED, curve=[(w, friction(w)) for w in places])
+    # At a wall without friction the mass turns, which makes an event.
+    model = Oscillator(m=1, c=0, k=1, belts=[Belt(0, mu=0), belt])
+    motion = simulate(model, x0="9/10", v0=SPEED, t_end=15)
+    begin, farthest, _, met, again = motion.events[:5]
+    return Cycle(farthest.x, met.t - begin.t, again.t - begin.t)
+
+
+def extrapolated() -> Cycle:
+    """Return the cycle to which that of more and more pieces tends."""
+    coarse, fine = (by_pieces(n) for n in PIECES[-2:])
+    return Cycle(*(f + (f - c) / 3 for c, f in zip(coarse, fine, strict=True)))
+
+
+def cycles() -> Iterator[Row]:
+    """Stick-slip with falling friction; run: simulate with n pieces, and what they tend to."""
+    exact = smooth()
+    for n in PIECES:
+        run = by_pieces(n)
+        yield Row("x_max", f"n = {n}", exact.x_max, run.x_max, tolerance=0.1 / n**2)
+        yield Row("T", "", exact.period, run.period, tolerance=0.1 / n**2)
+    run = extrapolated()
+    yield Row("x_max", "from 128 and 256", exact.x_max, run.x_max, tolerance=1e-8)
+    yield Row("slip", "", exact.slip, run.slip, tolerance=1e-8)
+    yield Row("T", "", exact.period, run.period, tolerance=1e-8)
+    printed = number("1.133944669704")
+    yield Row("x_max", "IFDIFF", exact.x_max, printed, tolerance=1e-8, note="run: as printed there")
+
+
+if __name__ == "__main__":
+    show(cycles)
