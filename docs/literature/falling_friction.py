@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from itertools import pairwise
 from math import exp, log, sqrt
 from typing import Any, NamedTuple
 
@@ -90,7 +91,7 @@ def onset(law: Law, pieces: int) -> float:
     ]
     crossed = (
         w - c * (after - w) / (c_after - c)
-        for (w, c), (after, c_after) in zip(points, points[1:], strict=False)
+        for (w, c), (after, c_after) in pairwise(points)
         if c < 0 <= c_after
     )
     return next(crossed)

@@ -29,6 +29,7 @@ from symosc.base.arguments import ARRAY_LIKE, PROGRESS, mapping_of, public, requ
 from symosc.base.display.frames import imported
 from symosc.base.display.progress import late_bar
 from symosc.base.errors import ParameterError, meant
+from symosc.base.exact import show
 from symosc.base.files import write_text
 from symosc.engine.arithmetic import column_functions
 from symosc.kernels import linear
@@ -203,6 +204,10 @@ def frequency_response(
     if name not in NUMBER_NAMES:
         allowed = f"is not a parameter of the model; choose one of {', '.join(NUMBER_NAMES)}"
         raise ParameterError("over", name, allowed + meant(str(name), NUMBER_NAMES))
+    if name == "pull" or model.pull != 0:
+        raise ParameterError(
+            "pull", show(model.pull), "must be 0: the motion of a pulled spring is not periodic"
+        )
     values = read_axis(name, axis)
     rows = list[Record]()
     before = None

@@ -600,7 +600,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         # The panels share their axis, and only the lowest shows the names.
         panels[-1].set_xticks(middles, list(groups), rotation=90)
         drawing.supylabel("largest error, in units of condition · 10$^{-16}$", fontsize=9)
-        drawing.get_layout_engine().set(hspace=0.02, h_pad=0.02)  # type: ignore[union-attr]
+        drawing.get_layout_engine().set(hspace=0.02, h_pad=0.02)  # type: ignore[union-attr, call-arg]
     return drawing
 
 

@@ -13,6 +13,7 @@ from scipy.optimize import minimize_scalar
 
 from symosc import (
     OtherModel,
+    ParameterError,
     Parameters,
     frequency_response,
     load_scene,
@@ -26,7 +27,18 @@ def wall(F: float | str, **others: object) -> OtherModel:
     return OtherModel(**{"m": 1, "k": 1, "Omega": 1, "FN": F, "B0": 1} | others)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("kind", KINDS)
+#: Models whose base is not pulled.
+PERIODIC = [kind for kind in KINDS if "pull" not in kind]
+
+
+def test_a_pulled_spring_has_no_response() -> None:
+    model = drawn("pulled spring", 1)
+    for over in ({"Omega": [1]}, {"pull": [1]}):
+        with pytest.raises(ParameterError, match="motion of a pulled spring is not periodic"):
+            frequency_response(model, over)
+
+
+@pytest.mark.parametrize("kind", PERIODIC)
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.campaign)])
 @pytest.mark.quick(2)
 def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
@@ -96,7 +108,7 @@ def test_it_is_that_of_the_models_own_equation(kind: str, seed: int) -> None:
         assert np.angle(np.exp(1j * (response.phase[0] - lag))) == pytest.approx(0, abs=1e-8)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", PERIODIC)
 @pytest.mark.quick(3)
 def test_what_goes_in_is_what_is_lost(kind: str) -> None:
     """Over 16 frequencies and springs of random models, most of them with sticks.

@@ -23,6 +23,7 @@ KINDS: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "incline": (("B0", "phase", "angle", "v1", "c"), {"FN": None, "g": "9.81", "mu1": "1/5"}),
     "pulled spring": (("pull", "c", "v1", "v2", "mu1", "mu2"), {}),
     "pulled wall": (("pull", "Y", "c"), {"joined": True}),
+    "pulled and more": (("pull", "B0", "Y", "Y_phase", "W", "v1", "v2", "mu1", "mu2", "c"), {}),
     "all": (
         (
             "B0",
@@ -38,7 +39,6 @@ KINDS: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
             "A0",
             "angle",
             "c",
-            "pull",
         ),
         {"g": 2},
     ),
