@@ -28,7 +28,7 @@ from symosc.base.display.drawable import MOST_SHOWN, SHOWN
 from symosc.base.errors import ParameterError, meant, shown
 from symosc.base.exact import as_source, show, unmasked, whole_number
 from symosc.base.quantities import QUANTITIES, NumberOfBelt, check_range, read_number
-from symosc.friction import BELT_NAMES
+from symosc.friction import BELT_NAMES, MOST_BELTS
 
 #: Points of a friction curve: as they are given, and exact.
 Curve: TypeAlias = Iterable[Sequence[NumberLike] | Any]
@@ -434,6 +434,8 @@ def read_belts(belts: Any) -> tuple[Belt, ...]:
     require(sequence_of(Belt), belts=belts)
     if not belts:
         raise ParameterError("belts", belts, "must have at least one Belt")
+    if len(belts) > MOST_BELTS:
+        raise ParameterError("belts", f"{len(belts)} of them", f"must be at most {MOST_BELTS}")
     in_order = tuple(sorted(belts, key=lambda belt: belt.v))
     for n, (lower, upper) in enumerate(pairwise(in_order), 1):
         if lower.v == upper.v:

@@ -42,6 +42,11 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
         "belts 1 and 2 both have the speed 1",
     ),
     "no belts": (lambda: Oscillator(**FREE, belts=[]), "belts", "at least one Belt"),
+    "too many": (
+        lambda: Oscillator(**FREE, belts=[Belt(v, 1) for v in range(51)]),
+        "belts",
+        "at most 50",
+    ),
     "belts are a number": (lambda: Oscillator(**FREE, belts=3), "belts", "Belt"),  # type: ignore[arg-type]
     "a dict for a belt": (
         lambda: Oscillator(**FREE, belts=[{"v": 1, "mu": 1}]),  # type: ignore[list-item]
