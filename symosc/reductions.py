@@ -232,7 +232,7 @@ class OtherModel:
             raise ParameterError(
                 "FN", None, "FN is required unless g > 0, where it is the weight m g cos(angle)"
             )
-        if self.belts != ():
+        if not isinstance(self.belts, tuple) or self.belts:
             self._check_belts()
         if self.v2 is None and self.mu2 != 0:
             raise ParameterError(
@@ -385,7 +385,7 @@ class OtherModel:
         >>> orbit = find_orbit(model)
         >>> t, x = zip(*orbit.points)
         >>> model.back(t, x, [0, 0])[1].round(6).tolist()
-        [0.73026, -0.73026]
+        [-0.73026, 0.73026]
         """
         require(*ARRAY_LIKE, t=t, x=x, v=v)
         t, x, v = _read_arrays(t=t, x=x, v=v)

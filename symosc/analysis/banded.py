@@ -60,6 +60,14 @@ MOST_STEPS = 20
 LAUNCH = 3
 
 
+def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Return the matrix product a b, added in order: the same bits on every processor."""
+    total: np.ndarray = a[..., 0, None] * b[0]
+    for n in range(1, len(b)):
+        total = total + a[..., n, None] * b[n]
+    return total
+
+
 @dataclass(eq=False)
 class Propagated:
     """The derivatives along a motion: of its events, and of t, x, v where its pieces are launched.
@@ -352,14 +360,13 @@ class _Gradients:
 
     def ends(self, block: np.ndarray, launched: np.ndarray, band: int) -> np.ndarray:
         """Return derivatives of x and v in a flight, from those where it is launched."""
-        result: np.ndarray = block[:, :LAUNCH] @ launched + block[:, LAUNCH:] @ self.of_bands[band]
-        return result
+        by_launch = product(block[:, :LAUNCH], launched)
+        return by_launch + product(block[:, LAUNCH:], self.of_bands[band])
 
     def size(self, block: np.ndarray, launched: np.ndarray, band: int) -> np.ndarray:
         """Return the size of the terms of the derivatives of v that `ends` returns."""
-        by_numbers = abs(block[1, LAUNCH:] @ self.of_bands[band])
-        result: np.ndarray = abs(block[1, :LAUNCH]) @ abs(launched) + by_numbers
-        return result
+        by_numbers = abs(product(block[1, LAUNCH:], self.of_bands[band]))
+        return product(abs(block[1, :LAUNCH]), abs(launched)) + by_numbers
 
     def stuck(self, piece: int, tau: Number, launched: np.ndarray) -> np.ndarray:
         """Return derivatives of x and v in a stick, `tau` after it begins."""
@@ -548,7 +555,7 @@ class _Propagation:
             MIDDLE, boundary, point, self.codes, motion.letters, K, self.work
         )
         by_local = self.work[BY_V, list(LOCAL_CODES)]
-        by_numbers = by_local @ self.gradients.of_band(band)
+        by_numbers = product(by_local, self.gradients.of_band(band))
         excess = drag(boundary, MIDDLE) * self.gradients.excess[belt]
         self.work[SIZE, : len(self.wrt)] += by_numbers + self.work[BY_V, A0] * excess
         return rates

@@ -382,7 +382,7 @@ def test_a_damaged_one_is_refused(at: int, value: int, tmp_path: Path) -> None:
 
 
 PAGE = (Path(__file__).parents[2] / "docs" / "checking.md").read_text(encoding="utf-8")
-SOLVER, EXAMPLE = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+SOLVER, EXAMPLE, *_ = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 COMMANDS = re.findall(r"^\$ (.*)$", PAGE, re.MULTILINE)
 # Those that find the solution wrong: its method steps over belts.
 WRONG = ("--solver",)

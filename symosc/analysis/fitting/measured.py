@@ -77,7 +77,7 @@ def read_measured(data: Any, columns: Mapping[str, str | None] | None, scene: Pr
 def _measured_in(data: Any, asked: Asked, scene: Problem, where: str) -> Measured:
     """Return the events or samples in a file's content, or in an object."""
     if isinstance(data, Iterator):
-        data = list(data)
+        data = _rows_in(data)
     table = table_in(unmasked("data", data), asked, scene, where)
     if table is None:
         raise ParameterError("data", shown(data), ALLOWED)
@@ -92,6 +92,18 @@ def _measured_in(data: Any, asked: Asked, scene: Problem, where: str) -> Measure
     samples = solutions[0]
     states = [samples.x] if samples.lacks_v else [samples.x, samples.v]
     return Measured(samples.t, None, np.array(states))
+
+
+def _rows_in(data: Iterator[Any]) -> list[Any]:
+    """Return the rows that an iterator yields; numbers and letters, which may come without end, are
+    none.
+    """
+    rows = []
+    for row in data:
+        if isinstance(row, str) or not hasattr(row, "__len__"):
+            raise ParameterError("data", shown(row), ALLOWED)
+        rows.append(row)
+    return rows
 
 
 def _of_columns(columns: Mapping[str, Any]) -> Measured:
@@ -112,5 +124,6 @@ def _of_columns(columns: Mapping[str, Any]) -> Measured:
     for row, kind in enumerate(cells[KIND_COLUMN]):
         if not isinstance(kind, str) or kind not in KINDS:
             allowed = f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}"
-            raise ParameterError(f"{KIND_COLUMN}[{row}]", kind, allowed)
+            value = str(kind) if isinstance(kind, str) else kind  # as plain text, not numpy's
+            raise ParameterError(f"{KIND_COLUMN}[{row}]", value, allowed)
     return Measured(t, np.array(cells[KIND_COLUMN], dtype=object), None)
