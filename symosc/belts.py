@@ -432,7 +432,7 @@ def read_belts(belts: Any) -> tuple[Belt, ...]:
     if isinstance(belts, Belt):
         belts = (belts,)
     require(sequence_of(Belt), belts=belts)
-    if not belts:
+    if len(belts) == 0:
         raise ParameterError("belts", belts, "must have at least one Belt")
     if len(belts) > MOST_BELTS:
         raise ParameterError("belts", f"{len(belts)} of them", f"must be at most {MOST_BELTS}")

@@ -4,6 +4,8 @@ notation.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import symosc
 from symosc.base.display.latex import latex_text
 from symosc.derive.citation import SYMOSC, paper_reference
@@ -193,13 +195,20 @@ NOTATION = [
 
 
 def notation_table() -> str:
-    """Return the LaTeX of the table of notation."""
-    rows = "\n".join(" & ".join(row) + r" \\" for row in NOTATION)
+    """Return the LaTeX of the table of notation, in two parts between which a page may end."""
+    half = (len(NOTATION) + 1) // 2
+    tables = "\n\n".join(map(_notation_rows, (NOTATION[:half], NOTATION[half:])))
     return rf"""\section*{{Notation}}\label{{sec:notation}}
-{{\footnotesize\noindent\begin{{tabular}}{{@{{}}p{{42mm}}p{{80mm}}l@{{}}}}
+{{\footnotesize{tables}}}"""
+
+
+def _notation_rows(letters: Sequence[tuple[str, ...]]) -> str:
+    """Return the LaTeX of a part of the table of notation."""
+    rows = "\n".join(" & ".join(row) + r" \\" for row in letters)
+    return rf"""\noindent\begin{{tabular}}{{@{{}}p{{42mm}}p{{80mm}}l@{{}}}}
 \hline
 {rows}
-\hline\end{{tabular}}}}"""
+\hline\end{{tabular}}"""
 
 
 def how_to_cite() -> str:

@@ -41,6 +41,7 @@ from symosc.plot.drawing import (
 from symosc.plot.figures import BORDER_STYLES
 from symosc.plot.panels import EVENT_MARKS, SHAPES
 from symosc.simulation.tables import EventTable, Summary
+from symosc.words import cycle
 
 if TYPE_CHECKING:
     import xarray
@@ -356,9 +357,9 @@ def response_figure(
     require(FrequencyResponse, found=found)
     order = np.argsort(found.values)
     # A motion without a word has a blank: a name that takes room and shows nothing.
-    words = np.where(found.status == "rest", "rest", [str(word) or " " for word in found.word])[
-        order
-    ]
+    words = np.where(
+        found.status == "rest", "rest", [cycle(str(word)) or " " for word in found.word]
+    )[order]
     layout: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
     draw = {letter: partial(_response_panel, letter=letter) for letter in RESPONSE_PANELS}
     with panels_for(found, draw, panels, ax, (3.5, 2.1), figsize=figsize, **layout) as (

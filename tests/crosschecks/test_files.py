@@ -425,7 +425,7 @@ def test_the_commands_run(command: str, folder: Path) -> None:
 
 @pytest.mark.slow
 def test_the_example_prints_what_it_says(tmp_path: Path) -> None:
-    (expected,) = re.findall(r"^```text\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    expected, *_ = re.findall(r"^```text\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
     result = subprocess.run(
         [sys.executable, "-c", EXAMPLE], cwd=tmp_path, capture_output=True, text=True, check=False
     )
