@@ -194,7 +194,9 @@ def report() -> Path:
             program = str(Path(__file__).parent / "support" / "whole_report.py")
             command = [sys.executable, program, "reproduce", "-o", str(folder)]
             result = subprocess.run(command, capture_output=True, text=True, check=False)
-            assert (result.returncode, result.stderr) == (0, ""), result.stdout
+            assert result.returncode == 0, result.stdout
+            (said,) = result.stderr.splitlines()
+            assert said.startswith("reproduce judges "), result.stderr
     return folder
 
 
