@@ -5,10 +5,14 @@ from __future__ import annotations
 import random
 from fractions import Fraction
 from itertools import pairwise
+from types import SimpleNamespace
 
 import pytest
 
 from symosc import Parameters
+from symosc.engine.events import mode_of_law
+from symosc.engine.state import MIDDLE, ON_BELT
+from symosc.engine.summary import map_number
 from symosc.friction import (
     ALL_MODE_NAMES,
     MAPS,
@@ -101,3 +105,23 @@ def test_parameters_read_their_forces_from_it() -> None:
         Fraction(-13, 2),
     ]
     assert (p.belt(1), p.belt(2), p.friction(1), p.friction(2)) == (1, 5, 4, 1)
+
+
+@pytest.mark.parametrize("belts", [1, 2, 3, 5])
+def test_the_engine_counts_modes_and_mappings_as_the_law_does(belts: int) -> None:
+    """In each row of constants: its middle domain is number `shift` + 2 of the law."""
+    law = geometry(belts)
+    names = list(law.maps)
+    for domain in law.domains:
+        K = SimpleNamespace(banded=True, shift=float(domain - MIDDLE))
+        assert law.mode_names[mode_of_law(MIDDLE, K)] == f"Omega{domain}"
+        beside = {domain - 1, domain} & set(law.boundaries)
+        for to in beside:
+            held = ON_BELT + to - (domain - MIDDLE)
+            assert mode_of_law(held, K) == law.stick_mode(to)
+            stick = law.maps[names[map_number(0, held, to, K) - 1]]
+            assert (stick.sticks, stick.end.boundary) == (True, to)
+            assert map_number(0, MIDDLE, to, K) == 0
+            for at in beside:
+                row = law.maps[names[map_number(at, MIDDLE, to, K) - 1]]
+                assert (row.start.boundary, row.end.boundary, row.domain) == (at, to, domain)

@@ -17,7 +17,7 @@ import pytest
 from cli_runs import run
 from samples import sample_of
 from scipy.integrate import solve_ivp
-from solution_ways import TOLERANCE, WAYS, even, scene_of, told
+from solution_ways import TOLERANCE, blamed_solutions, even, scene_of, told
 from stiction_solver import Mistakes, Solved, UnclearError, regularised, solved
 
 from symosc import Belt, Oscillator, Scene, crosscheck, simulate
@@ -104,19 +104,7 @@ def problems(seed: int) -> Iterator[tuple[Oscillator, Start, float, Solved, Rng]
 @pytest.mark.slow
 @sample_of(16, 200)
 def test_right_solutions_are_never_blamed(count: int) -> None:
-    blamed = []
-    for number, (p, start, t_end, right, rng) in enumerate(islice(problems(7), count)):
-        scene = scene_of(p, start, t_end)
-        motion = simulate(scene)
-        exact_events = [(float(e.t), e.kind) for e in motion.events if e.kind != "graze"]
-        way = WAYS[number // 2 % len(WAYS)]
-        if number % 2:
-            arguments, options = way(right, t_end, right.events, rng)
-        else:
-            arguments, options = way(motion, t_end, exact_events, rng)
-        check = crosscheck(scene, *arguments, **options)
-        if not check.ok:
-            blamed.append(f"{number} {way.__name__}: {scene} {start} {t_end}\n{told(check)}")
+    blamed = blamed_solutions(islice(problems(7), count))
     assert blamed == [], f"{len(blamed)} of {count}"
 
 

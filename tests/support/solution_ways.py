@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 from stiction_solver import Solved
 
-from symosc import CrossCheck, Oscillator, Scene
+from symosc import CrossCheck, Oscillator, Scene, crosscheck, simulate
 
 Rng = np.random.Generator
 Start = tuple[float, float, float]
@@ -91,3 +91,24 @@ WAYS: list[Callable[..., Given]] = [
     function,
     result,
 ]
+
+
+def blamed_solutions(problems: Iterable[tuple[Any, ...]]) -> list[str]:
+    """Return what is told of right solutions that are blamed, given in one way after the other.
+
+    Of two solutions in turn one is the exact motion, the other that of an independent solver.
+    """
+    blamed = []
+    for number, (p, start, t_end, right, rng) in enumerate(problems):
+        scene = scene_of(p, start, t_end)
+        motion = simulate(scene)
+        exact_events = [(float(e.t), e.kind) for e in motion.events if e.kind != "graze"]
+        way = WAYS[number // 2 % len(WAYS)]
+        if number % 2:
+            arguments, options = way(right, t_end, right.events, rng)
+        else:
+            arguments, options = way(motion, t_end, exact_events, rng)
+        check = crosscheck(scene, *arguments, **options)
+        if not check.ok:
+            blamed.append(f"{number} {way.__name__}: {scene} {start} {t_end}\n{told(check)}")
+    return blamed
