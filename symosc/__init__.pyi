@@ -4,8 +4,6 @@ from .analysis.fitting.fit import Fit as Fit
 from .analysis.fitting.fit import fit as fit
 from .analysis.response import FrequencyResponse as FrequencyResponse
 from .analysis.response import frequency_response as frequency_response
-from .analysis.sensitivities import Sensitivities as Sensitivities
-from .analysis.sensitivities import sensitivities as sensitivities
 from .base.display.drawable import Listing as Listing
 from .base.errors import MissingExtraError as MissingExtraError
 from .base.errors import OutputError as OutputError
@@ -24,6 +22,8 @@ from .crosschecks.compare import crosscheck as crosscheck
 from .crosschecks.events import FoundEvent as FoundEvent
 from .crosschecks.events import Match as Match
 from .crosschecks.faults import Fault as Fault
+from .derivatives.sensitivities import Sensitivities as Sensitivities
+from .derivatives.sensitivities import sensitivities as sensitivities
 from .engine.events import Event as Event
 from .grazing.check import GrazingReport as GrazingReport
 from .grazing.check import check_grazing as check_grazing

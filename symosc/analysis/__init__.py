@@ -1,1 +1,1 @@
-"""What is built on motions: derivatives, fits to measurements, frequency responses."""
+"""What is built on motions and their derivatives: fits to measurements, frequency responses."""

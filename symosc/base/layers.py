@@ -17,6 +17,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("kernels",),
     ("engine",),
     ("mappings", "simulation"),
+    ("derivatives",),
     ("symbolic",),
     ("orbits", "crosschecks", "sweeps"),
     ("grazing",),

@@ -25,7 +25,6 @@ from typing import Any, NamedTuple
 from flint import arb, ctx
 
 import symosc.certificates.verify as verify
-from symosc.analysis.sensitivities import sensitivities
 from symosc.base.aliases import Number, Record
 from symosc.base.exact import power_of_ten, show
 from symosc.certificates.certificate import (
@@ -36,6 +35,7 @@ from symosc.certificates.certificate import (
     provable,
     stated,
 )
+from symosc.derivatives.sensitivities import sensitivities
 from symosc.engine.arithmetic import many_digits
 from symosc.engine.events import Event
 from symosc.engine.state import Launch

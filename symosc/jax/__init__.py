@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from symosc.analysis.sensitivities import sensitivities
 from symosc.base.errors import ParameterError, meant, optional
 from symosc.base.exact import whole_number
+from symosc.derivatives.sensitivities import sensitivities
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.scenes import STARTS
 from symosc.simulation.ensemble import simulate_many

@@ -23,10 +23,10 @@ from functools import cached_property
 from math import inf, pi, ulp
 from typing import Any, NamedTuple
 
-from symosc.analysis.sensitivities import sensitivities
 from symosc.base.aliases import Number
 from symosc.certificates.certificate import Certificate, provable, proven_rows
 from symosc.certificates.certify import certify
+from symosc.derivatives.sensitivities import sensitivities
 from symosc.engine.arithmetic import mp_context
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.orbits.find import find_orbit

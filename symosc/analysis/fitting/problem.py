@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from symosc.analysis.fitting.measured import Measured
-from symosc.analysis.sensitivities import Sensitivities, sensitivities
 from symosc.base.errors import ParameterError
 from symosc.base.quantities import least
+from symosc.derivatives.sensitivities import Sensitivities, sensitivities
 from symosc.engine.start import Start
 from symosc.model import PARAMETER_NAMES, Parameters
 from symosc.scenes import STARTS

@@ -7,7 +7,7 @@ from typing import Any
 
 import sympy as sp
 
-from symosc.analysis.sensitivities import sensitivities
+from symosc.derivatives.sensitivities import sensitivities
 from symosc.derive.chapters.jacobians import AFTER, BEFORE, force_at_belt, multiplier_products
 from symosc.derive.chapters.maps import force
 from symosc.derive.chapters.orbits import FUNCTIONS

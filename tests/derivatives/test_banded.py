@@ -24,7 +24,7 @@ from symosc import (
     simulate,
     simulate_many,
 )
-from symosc.analysis.law_gradients import LawGradients, with_all_points
+from symosc.derivatives.law_gradients import LawGradients, with_all_points
 from symosc.model import OSCILLATOR_NAMES
 
 STEP = Fraction(1, 10**15)

@@ -18,18 +18,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.analysis.banded import CORNER_ON_BELT, BandedColumns
-from symosc.analysis.law_gradients import LawGradients, with_all_points
-from symosc.analysis.motion_columns import (
+from symosc.base.aliases import NumberLike, SceneName
+from symosc.base.arguments import ARRAY_LIKE, NAMES, NUMBER, WHOLE, public, require, require_or_none
+from symosc.base.display.drawable import Comparable
+from symosc.derivatives.banded import CORNER_ON_BELT, BandedColumns
+from symosc.derivatives.law_gradients import LawGradients, with_all_points
+from symosc.derivatives.motion_columns import (
     LEAST_EVENTS,
     MotionColumns,
     both_exponents,
     cuts_of_parts,
     error_of_mean,
 )
-from symosc.base.aliases import NumberLike, SceneName
-from symosc.base.arguments import ARRAY_LIKE, NAMES, NUMBER, WHOLE, public, require, require_or_none
-from symosc.base.display.drawable import Comparable
 from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits
 from symosc.engine.start import Start

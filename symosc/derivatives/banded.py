@@ -20,15 +20,15 @@ from typing import Any
 
 import numpy as np
 
-from symosc.analysis.law_gradients import LOCAL_CODES, LawGradients
-from symosc.analysis.motion_columns import (
+from symosc.base.aliases import Number
+from symosc.derivatives.law_gradients import LOCAL_CODES, LawGradients
+from symosc.derivatives.motion_columns import (
     LEAST_EVENTS,
     MotionColumns,
     both_exponents,
     cuts_of_parts,
     error_of_mean,
 )
-from symosc.base.aliases import Number
 from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits
 from symosc.engine.batch import PIECE_COLUMNS
