@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from math import atan2, inf, pi, sqrt
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
@@ -190,14 +190,24 @@ NESTED = {
 }
 
 
-def _row_type(kind: Any) -> np.dtype[Any]:
-    """Return the numpy row type for a NamedTuple of numbers, flags (0.0 or 1.0) and nested tuples."""
-    return np.dtype(
-        [(name, _row_type(NESTED[name]) if name in NESTED else np.float64) for name in kind._fields]
-    )
+def _row_type(kind: Any, types: dict[Any, Any], number: Any) -> np.dtype[Any]:
+    """Return the numpy row type for a NamedTuple, also for those nested in it.
+
+    An entry has the type that `types` has for its annotation, or else `number`.
+    """
+    entries = list[tuple[str, Any]]()
+    for name, annotation in get_type_hints(kind).items():
+        if name in NESTED:
+            entries.append((name, _row_type(NESTED[name], types, number)))
+        else:
+            entries.append((name, types.get(annotation, number)))
+    return np.dtype(entries)
 
 
-ROW = _row_type(Constants)
+# Flags and whole numbers are doubles here.
+ROW = _row_type(Constants, {}, np.float64)
+# Constants in double-double numbers: hi + lo stored as the complex number hi + i lo.
+PAIR_CONSTANTS = _row_type(Constants, {bool: np.bool_, int: np.int64}, np.complex128)
 
 
 def constants(
@@ -472,6 +482,19 @@ class ConstantRows(Sequence[Constants]):
 def table_of(rows: Iterable[Constants]) -> np.ndarray:
     """Return a table with a row for each of the given constants."""
     return np.array([tuple(row) for row in rows], dtype=ROW)
+
+
+def pair_table_of(rows: Iterable[Constants]) -> np.ndarray:
+    """Return a table with a row for each of the given constants of complex numbers hi + i lo."""
+    return np.array([tuple(row) for row in rows], dtype=PAIR_CONSTANTS)
+
+
+def constants_in(row: np.void) -> Constants:
+    """Return a row of a table as Constants of Python's numbers."""
+    numbers = dict(zip(Constants._fields, row.item(), strict=True))
+    for name, kind in NESTED.items():
+        numbers[name] = kind._make(numbers[name])
+    return Constants(**numbers)
 
 
 class TableLoops(NamedTuple):

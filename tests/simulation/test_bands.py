@@ -98,6 +98,35 @@ def test_summaries_are_those_of_the_motion() -> None:
         assert summary.section[n, -1] == pytest.approx(motion(2 * np.pi * 12), abs=1e-9)
 
 
+@pytest.mark.compiled("pairs")
+def test_double_double_numbers_follow_a_motion_from_band_to_band() -> None:
+    """No double is accurate to 1e-17, so each event is found in pairs: to its last bit."""
+    pytest.importorskip("numba")
+    oscillator = Oscillator(**LAW, belts=[FALLING, Belt(4, mu="1/5")])
+    # The second starts on the corner at the speed -1.
+    starts = [(0, 6, -1), (0, "-3/2", -1), (0, 1, "9/2")]
+    rough = simulate_many(oscillator, starts, 60, accuracy=1e-17)
+    pairs = simulate_many(oscillator, starts, 60, accuracy=1e-17, use_numba=True)
+    assert len(pairs) > 60
+    assert np.abs(pairs.t - rough.t).max() <= 2**-52 * 60
+    for n, (t0, x0, v0) in enumerate(starts):
+        known = simulate(oscillator, t0=t0, x0=x0, v0=v0, t_end=60, digits=30).events
+        assert pairs.kind[pairs.trajectory == n].tolist() == [event.kind for event in known]
+        for name, values in (("t", pairs.t), ("x", pairs.x)):
+            expected = np.array([float(getattr(event, name)) for event in known])
+            assert np.abs(values[pairs.trajectory == n] - expected).max() <= 2**-52 * 60
+    summaries = [
+        simulate_many(oscillator, starts, 60, record="summary", use_numba=True, accuracy=accuracy)
+        for accuracy in (1e-17, None)
+    ]
+    for name, column in summaries[0].columns().items():
+        in_doubles = summaries[1].columns()[name]
+        if column.dtype.kind == "f":
+            assert column == pytest.approx(in_doubles, rel=1e-11, abs=1e-11), name
+        else:
+            assert (column == in_doubles).all(), name
+
+
 def test_a_motion_that_dies_away_on_a_corner_comes_to_rest() -> None:
     """The belt's corner has the speed 0: every swing crosses it twice, until nothing is left."""
     law = Oscillator(m=1, c="1/5", k=1, belts=[Belt(2, curve=[(0, 1), (2, "4/5"), (5, "9/10")])])
