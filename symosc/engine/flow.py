@@ -182,7 +182,7 @@ class Constants(NamedTuple):
     stride: MarchConstants
 
 
-NESTED = {
+NESTED: dict[str, Any] = {
     "belt1": BeltConstants,
     "belt2": BeltConstants,
     "march": MarchConstants,
