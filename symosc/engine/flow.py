@@ -100,8 +100,8 @@ class BeltConstants(NamedTuple):
     limit_below: Number
     limit_above: Number
     is_corner: bool  # whether only the slope of the friction changes here
-    # whether a motion that is over rests on this corner: there is no drive, its speed is 0, and the
-    # damping is not negative on either side
+    # whether a motion that is over rests on this corner: there is no drive, its speed is 0, and
+    # motions near it do not grow
     is_rest: bool
 
 
@@ -411,7 +411,7 @@ def _belt_constants(
     return BeltConstants(
         v=number(v),
         is_corner=edge.belt == 0,
-        is_rest=edge.belt == 0 and v == 0 and parameters.k > 0 and _is_damped(parameters, edge),
+        is_rest=edge.belt == 0 and v == 0 and _fades_at(parameters, edge),
         J=number(J),
         E=number(E),
         hold=number(J + 2 * E),
@@ -425,13 +425,21 @@ def _belt_constants(
     )
 
 
-def _is_damped(parameters: Model, edge: EdgeOfLaw) -> bool:
-    """Return whether there is no drive, and no negative damping on either side of a corner."""
-    return parameters.B0 == 0 and all(
-        parameters.law.damping(parameters.c, n) >= 0
+def _fades_at(parameters: Model, edge: EdgeOfLaw) -> bool:
+    """Return whether motions near the equilibrium on a corner at the speed 0 do not grow."""
+    if parameters.B0 != 0 or parameters.k == 0:
+        return False
+    smaller, larger = sorted(
+        parameters.law.damping(parameters.c, n)
         for n, row in enumerate(parameters.law.rows)
         if edge in (row.below, row.above)
     )
+    if smaller >= 0:
+        return True
+    # With c_j^2 < 4 m k half a turn takes the factor exp(-pi c_j/sqrt(4 m k - c_j^2)), and the
+    # product of both factors is below 1 where the sum of the c_j is positive. Without a turn on the
+    # growing side a motion there does not come back.
+    return smaller**2 < 4 * parameters.m * parameters.k and smaller + larger > 0
 
 
 def no_belt(boundary: int, number: Callable[[Any], Number]) -> BeltConstants:

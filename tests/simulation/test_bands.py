@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -138,6 +139,42 @@ def test_a_motion_that_dies_away_on_a_corner_comes_to_rest() -> None:
         assert (x, v) == pytest.approx((0.8, 0), abs=1e-12)
     exactly = simulate(law, x0="4/5", v0=0, t_end=1000)
     assert (exactly.status, len(exactly.events)) == ("equilibrium", 0)
+
+
+def test_a_motion_dies_away_on_a_corner_with_a_growing_side_if_it_shrinks_more_on_the_other() -> (
+    None
+):
+    """In a turn it shrinks by exp(-pi (c_1/w_1 + c_2/w_2)), where w_j = sqrt(4 m k - c_j^2)."""
+
+    def law(below: str, c: str = "1/4") -> Oscillator:
+        belt = Belt("23/10", curve=[(0, "9/10"), ("23/10", "7/5"), ("46/10", below)])
+        return Oscillator(m=2, c=c, k="12/5", A0="2/7", belts=[belt])
+
+    start: dict[str, Any] = {"x0": "71/100", "v0": 0, "t_end": 20_000, "accuracy": inf}
+    motion = simulate(law("2/5"), **start)
+    c = [float(law("2/5").bands[n].c) for n in (1, 2)]
+    assert motion.status == "equilibrium"
+    centre = (2 / 7 + 7 / 5) / 2.4
+    assert motion(19_999) == pytest.approx([centre, 0], abs=1e-12)
+    assert max(c) > 0 > min(c)
+    rates = [np.sqrt(4 * 2 * 2.4 - value**2) for value in c]
+    turn = 2 * np.pi * 2 * (1 / rates[0] + 1 / rates[1])
+    shrinking = np.exp(-np.pi * (c[0] / rates[0] + c[1] / rates[1]))
+    first, later = motion([0, 10 * turn])[0] - centre
+    assert later / first == pytest.approx(shrinking**10, rel=1e-9)
+    # Where it grows more than it shrinks, it leaves.
+    growing = simulate(law("1/10", c="1/10"), **(start | {"t_end": 500}))
+    assert len(growing.events) > 10
+    assert growing.status == "t_end"
+
+
+def test_a_mass_at_rest_in_a_growing_band_stays_however_long() -> None:
+    """What would grow from there by exp(7000) is 0."""
+    belt = Belt(2, curve=[(0, "3/5"), (2, "19/10"), (4, 0)], slope="2/5")
+    law = Oscillator(m="9/5", c="7/10", k="2/5", A0="-6/7", belts=[belt])
+    motion = simulate(law, x0="73/28", t_end=100_000)
+    assert motion([99_999.0, 100_000.0]).tolist() == motion([0.0, 1.0]).tolist()
+    assert motion(99_999).tolist() == [73 / 28, 0.0]
 
 
 def test_a_growing_band_is_left() -> None:
