@@ -72,6 +72,7 @@ from symosc.engine.state import (
 from symosc.engine.summary import no_tally
 from symosc.kernels.entire import EPS
 from symosc.simulation.loops import CHOICE
+from symosc.simulation.trajectory import ELAPSED_ROW
 
 # The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as
 # a part of that.
@@ -723,7 +724,9 @@ class FinerMotion:
         if now.count > count:
             now.undo()
         there = now.count == count and now.code != FAILED
-        now.take()
+        _, pieces = now.take()
+        # The last step may have gone on into another band.
+        self.pieces.append(pieces[:, pieces[ELAPSED_ROW] > float(before.elapsed)])
         return there
 
 

@@ -20,6 +20,14 @@ LAW: dict[str, Any] = {"m": 1, "c": "1/5", "k": 1, "B0": 1, "Omega": 1}
 FALLING = Belt(2, curve=[(0, 1), (3, "1/2"), (5, "2/5")], mu_s="6/5")
 
 
+#: t0, x0, v0 of a motion that misses the speed 2/5 of a belt by 1e-18.
+NEAR_TOUCH = (
+    "6.34082617218144006126323449676026039295973851508700970521907",
+    "-0.0427380582497395561956936006906575845624930606830406885332805",
+    "0.399137439376410884170319355593146261504654155364551952323288",
+)
+
+
 def coefficient(w: float) -> float:
     return float(np.interp(w, [0, 3, 5], [1, 0.5, 0.4]))
 
@@ -175,6 +183,28 @@ def test_a_mass_at_rest_in_a_growing_band_stays_however_long() -> None:
     motion = simulate(law, x0="73/28", t_end=100_000)
     assert motion([99_999.0, 100_000.0]).tolist() == motion([0.0, 1.0]).tolist()
     assert motion(99_999).tolist() == [73 / 28, 0.0]
+
+
+def test_the_band_behind_a_touch_that_more_digits_decide_is_not_lost() -> None:
+    """The mass misses the belt by 1e-18 of its speed, then falls through the corner at v = 0.32."""
+    belt = Belt("2/5", curve=[(0, "2/25"), ("2/25", "2/25")], slope="1/10")
+    numbers: dict[str, Any] = {"m": "62/25", "c": "111/250", "k": "243/50", "B0": "-257/5000"}
+    law = Oscillator(**numbers, Omega="97/100", FN="7/5", belts=[belt])
+    start: dict[str, Any] = {
+        "t0": Fraction(NEAR_TOUCH[0]), "x0": Fraction(NEAR_TOUCH[1]), "v0": Fraction(NEAR_TOUCH[2]),
+    }  # fmt: skip
+    end = start["t0"] + 30
+    rough = simulate(law, **start, t_end=end)
+    exact = simulate(law, **start, t_end=end, digits=40)
+    assert len(rough.events) == len(exact.events) == 0
+    times = np.linspace(float(rough.t_start), float(end), 50)
+    assert np.abs(rough(times) - exact(times)).max() < 1e-12
+    solved = solve_ivp(
+        lambda t, y: [y[1], (-257 / 5000 * np.cos(0.97 * t) - 0.444 * y[1] - 4.86 * y[0]
+            + 1.4 * (0.08 + 0.1 * max(0.0, 0.32 - y[1]))) / 2.48],
+        times[[0, -1]], [float(start["x0"]), float(start["v0"])], rtol=1e-11, atol=1e-13, t_eval=times,
+    )  # fmt: skip
+    assert np.abs(rough(times) - solved.y).max() < 1e-8
 
 
 def test_a_growing_band_is_left() -> None:
