@@ -20,7 +20,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("derivatives",),
     ("symbolic",),
     ("orbits", "crosschecks", "sweeps"),
-    ("grazing",),
+    ("grazing", "basins"),
     ("analysis",),
     ("certificates", "jax"),
     ("reference",),
