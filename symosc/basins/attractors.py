@@ -21,15 +21,21 @@ from symosc.basins.plane import Limit, PhasePlane, require_spring
 from symosc.basins.recurrence import DrivenMotions, Recurrent
 from symosc.basins.starts import ReadStarts, read_starts
 from symosc.model import Model
+from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.orbits.shooting import orbit_near
 from symosc.scenes import ParametersLike, check_periods, model_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tables import counted
-from symosc.words import cycle
+from symosc.words import Word
 
 #: Forcing periods for which a motion is followed at most, unless the caller says so.
 USUAL_PERIODS = 1000
 MOST_PERIODS = 10**6
+#: Times at which an orbit is compared with the state beside which it was looked for, half as many,
+#: and how near it must come, as a part of its extent.
+ORBIT_SAMPLES = 512
+BESIDE = 0.05
 Attractor: TypeAlias = PeriodicOrbit | ObservedCycle | Rest | Chaotic
 
 
@@ -60,7 +66,7 @@ class Attractors(Comparable, Drawable):
     >>> law = Oscillator(m=1, c="0.1", k=1, belts=[Belt("1/2", mu="1/2", mu_s=1)])
     >>> found = attractors(law, {"x0": "-2:2:9", "v0": "-1:1:5"})
     >>> found.names, found.basin.shape, found.share.round(3).tolist()
-    (('cycle', 'rest'), (9, 5), [0.889, 0.111])
+    (('cycle', 'rest'), (9, 5), [0.911, 0.089])
     """
 
     _drawn_by = "attractors_figure"
@@ -92,9 +98,7 @@ class Attractors(Comparable, Drawable):
         return len(self.orbits)
 
     def __repr__(self) -> str:
-        parts = [
-            f"{name} {share:.3g}" for name, share in zip(self.names, self.share, strict=True)
-        ]
+        parts = [f"{name} {share:.3g}" for name, share in zip(self.names, self.share, strict=True)]
         if self.undecided:
             parts.append(f"undecided {self.undecided:.3g}")
         return f"<Attractors of {counted(len(self.starts), 'start')}: {', '.join(parts)}>"
@@ -115,7 +119,11 @@ class Attractors(Comparable, Drawable):
                 about = {"long_name": quantity_of(name).meaning}
                 coordinates[name] = ("start", self.starts[:, n], about)
         columns = {
-            "basin": (dimensions, self.basin, {"long_name": "index of the attractor, -1: undecided"}),
+            "basin": (
+                dimensions,
+                self.basin,
+                {"long_name": "index of the attractor, -1: undecided"},
+            ),
             "share": ("attractor", self.share, {"long_name": "part of the starts"}),
             "share_error": ("attractor", self.share_error, {"long_name": "its standard error"}),
         }
@@ -189,14 +197,15 @@ def _periods_in(model: Model, t_end: Any) -> int:
     """Return for how many forcing periods motions are followed at most."""
     if t_end is None:
         return USUAL_PERIODS
-    periods = forcing_periods("t_end", t_end)
-    if periods is None:
+    given = forcing_periods("t_end", t_end)
+    if given is None:
         span = float(read_number("t_end", t_end)[0])
         if not span > 0:
             raise ParameterError("t_end", t_end, "must be > 0")
         periods = span * float(model.Omega) / (2 * pi)
     else:
         check_periods("t_end", t_end, model)
+        periods = float(given)
     return int(min(max(periods, 1), MOST_PERIODS))
 
 
@@ -218,28 +227,21 @@ def _sorted(
 
 
 def _orbit_of_limit(plane: PhasePlane, limit: Limit) -> Attractor:
-    """Return the attractor of a motion without a drive."""
+    """Return the attractor of motions without a drive that have this limit."""
     if limit.kind == "rest":
         return plane.rest
-    span = 1.5 * (plane.turn + plane.held)
-    for _ in range(6):
-        motion = simulate(plane.wall, x0=limit.x, v0=0, t_end=span)
-        falls = [
-            event
-            for event in motion.events
-            if event.boundary == plane.number and event.source > event.target
-        ]
-        if falls:
-            break
-        span *= 6
-    period = float(falls[0].t)
+    orbit = _closed(plane.model, limit.x, 0.0, None)
+    if orbit is not None and not orbit.is_rest:
+        return orbit
+    period = plane.return_time(limit.x)
     path = simulate(plane.model, x0=limit.x, v0=0, t_end=2 * period)
     labels = [
         segment.label
         for segment in path.segments
         if segment.label and period <= float(segment.t_end) < 2 * period
     ]
-    return ObservedCycle(np.array([[limit.x, 0.0]]), period, 0, cycle("∘".join(labels[::-1])))
+    word = str(Word(tuple(labels)).cycle)
+    return ObservedCycle(np.array([[limit.x, 0.0]]), period, 0, word)
 
 
 def _orbit_of(motions: DrivenMotions, attractor: Recurrent | Rest | Chaotic) -> Attractor:
@@ -247,7 +249,25 @@ def _orbit_of(motions: DrivenMotions, attractor: Recurrent | Rest | Chaotic) -> 
     if not isinstance(attractor, Recurrent):
         return attractor
     q = attractor.periods
-    return ObservedCycle(attractor.points, q * motions.period, q, attractor.word)
+    x, v = attractor.points[0].tolist()
+    orbit = _closed(motions.model, x, v, q)
+    if orbit is not None and orbit.periods == q:
+        return orbit
+    period = 2 * pi * q / float(motions.model.Omega)
+    return ObservedCycle(attractor.points, period, q, attractor.word)
+
+
+def _closed(model: Model, x: float, v: float, periods: int | None) -> PeriodicOrbit | None:
+    """Return the orbit that Newton's method finds beside a state; None if it finds none there."""
+    try:
+        orbit = orbit_near(model, 0, x, v, periods)
+    except ConvergenceError:
+        return None
+    times = np.linspace(0.0, float(orbit.period), 2 * ORBIT_SAMPLES, endpoint=False)
+    away = np.abs(orbit(times) - np.array([[x], [v]])) / np.ptp(orbit(times), axis=1)[:, None]
+    if orbit.is_rest or away.max(axis=0).min() > BESIDE:
+        return None
+    return orbit
 
 
 def _name_of(orbit: Attractor) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 from math import nan
 
 import numpy as np
@@ -76,12 +77,10 @@ def rest_of(model: Model) -> Rest | None:
     return Rest(float(low / law.k), float(high / law.k), belt)
 
 
-def forces_at_rest(law: Oscillator) -> tuple:  # type: ignore[type-arg]
+def forces_at_rest(law: Oscillator) -> tuple[Fraction, Fraction]:
     """Return the constant forces on the mass at velocities just below and just above 0."""
     band_below = next(band for band in law.bands if band.above is None or band.above >= 0)
-    band_above = next(
-        band for band in reversed(law.bands) if band.below is None or band.below <= 0
-    )
+    band_above = next(band for band in reversed(law.bands) if band.below is None or band.below <= 0)
     return band_below.A, band_above.A
 
 

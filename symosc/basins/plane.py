@@ -21,18 +21,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from math import inf, nan, pi, sqrt
 from typing import NamedTuple
 
 import numpy as np
 
 from symosc.base.errors import ParameterError
-from symosc.basins.kinds import Rest, forces_at_rest, oscillator_of, rest_of
+from symosc.basins.kinds import Rest, oscillator_of, rest_of
 from symosc.belts import Belt
-from symosc.engine.state import CROSS, STICK
+from symosc.engine.state import CROSS
 from symosc.friction import domain_code
 from symosc.model import Model
 from symosc.simulation.ensemble import simulate_many
+from symosc.simulation.tables import EventTable
 
 #: The accuracy of events that is asked for: doubles reach it without other arithmetic.
 ACCURACY = 1e-9
@@ -144,9 +146,7 @@ class PhasePlane:
 
     def first_points(self, x: np.ndarray, v: np.ndarray) -> FirstPoints:
         """Return where motions from x and v first pass through the section, the start not counted."""
-        found = FirstPoints(
-            np.full(len(x), nan), np.zeros(len(x)), np.zeros(len(x), dtype=bool)
-        )
+        found = FirstPoints(np.full(len(x), nan), np.zeros(len(x)), np.zeros(len(x), dtype=bool))
         for begin in range(0, len(x), TOGETHER):
             rows = np.arange(begin, min(begin + TOGETHER, len(x)))
             span = 1.1 * self.turn + min(self.held, self.turn)
@@ -179,14 +179,14 @@ class PhasePlane:
         later[motions] = False
         return rows[later]
 
-    def _downward(self, table: object) -> np.ndarray:
+    def _downward(self, table: EventTable) -> np.ndarray:
         """Return which events of a table are section points."""
-        below = domain_code(self.number)
-        return (  # type: ignore[no-any-return]
-            (table.boundary == self.number)  # type: ignore[attr-defined]
-            & (table.kind_code == CROSS)  # type: ignore[attr-defined]
-            & (table.target_code == below)  # type: ignore[attr-defined]
+        downward: np.ndarray = (
+            (table.boundary == self.number)
+            & (table.kind_code == CROSS)
+            & (table.target_code == domain_code(self.number))
         )
+        return downward
 
     def next_points(self, x: np.ndarray) -> np.ndarray:
         """Return P(x) for section points, NaN where the mass comes to rest."""
@@ -210,6 +210,19 @@ class PhasePlane:
             points = table.x[part][downward[part]]
             paths.append((points[:count], status == "equilibrium" and len(points) <= count))
         return paths
+
+    def return_time(self, x: float) -> float:
+        """Return the time from a section point of a cycle to the next one."""
+        span = 1.1 * self.turn + min(self.held, self.turn)
+        for _ in range(MOST_LONGER):
+            table = simulate_many(
+                self.wall, (0, x, 0), span, accuracy=ACCURACY, max_events=self.events_of_turn
+            )
+            times = table.t[self._downward(table)]
+            if len(times):
+                return float(times[0])
+            span = LONGER * span + self.held
+        return nan
 
     # -- limits ------------------------------------------------------------------------------------
 
@@ -337,9 +350,9 @@ class Limits:
         return abs(known.x - limit.x) <= 10 * NEAR * distance
 
 
-def _holds_zero(below: object, above: object) -> bool:
+def _holds_zero(below: Fraction | None, above: Fraction | None) -> bool:
     """Return whether a band between two speeds lies at the speed 0, or ends there."""
-    return (below is None or below <= 0) and (above is None or above >= 0)  # type: ignore[operator]
+    return (below is None or below <= 0) and (above is None or above >= 0)
 
 
 def require_spring(model: Model) -> None:

@@ -115,11 +115,13 @@ class DrivenMotions:
     def onward(self, points: np.ndarray, periods: int, sections: int = 1) -> np.ndarray:
         """Return the last section points of motions that start in `points` of the section."""
         starts = np.column_stack([np.zeros(len(points)), points])
-        return self.follow(starts, periods, sections).section  # type: ignore[no-any-return]
+        section: np.ndarray = self.follow(starts, periods, sections).section
+        return section
 
     def distances(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """Return the distances of section points in units of the oscillator."""
-        return np.abs((first - second) / self.unit).max(axis=-1)  # type: ignore[no-any-return]
+        distances: np.ndarray = np.abs((first - second) / self.unit).max(axis=-1)
+        return distances
 
     def decide(self, starts: np.ndarray) -> np.ndarray:
         """Return for each row t0, x0, v0 the number of its attractor, -1 if undecided."""
@@ -183,15 +185,15 @@ class DrivenMotions:
             i = int(candidates[0])
             q = int(repeats[i])
             candidates = candidates[1:]
-            attractor = self._attractor(points[i, -q:], str(words[i]))
-            if attractor is None:
+            candidate = self._attractor(points[i, -q:], str(words[i]))
+            if candidate is None:
                 # others beside it fail as it does
                 same = self.distances(points[candidates, -1], points[i, -1]) < SAME
                 candidates = candidates[~same]
                 continue
-            n = self._number_of(attractor)
+            n = self._number_of(candidate)
             numbers[i] = n
-            near = self._near(points[candidates], attractor)
+            near = self._near(points[candidates], candidate)
             numbers[candidates[near]] = n
             candidates = candidates[~near]
         return numbers

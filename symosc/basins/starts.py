@@ -49,9 +49,7 @@ def read_starts(starts: Any) -> ReadStarts:
     if rows.ndim != 2 or rows.shape[1] != 3:
         allowed = f"must be rows t0, x0, v0, or columns of these names; {GRID}"
         raise ParameterError("starts", starts, allowed)
-    columns = [
-        NumberColumn(name, values).hi for name, values in zip(NAMES, rows.T, strict=True)
-    ]
+    columns = [NumberColumn(name, values).hi for name, values in zip(NAMES, rows.T, strict=True)]
     return ReadStarts(_some(np.column_stack(columns)), {})
 
 
