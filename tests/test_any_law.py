@@ -75,7 +75,7 @@ CALLS: dict[str, Callable[[Any], Any]] = {
 #: Public functions of which no argument is an oscillator.
 OTHERS = {"continue_border", "load_scene", "read_word", "scene_names", "theorem7"}
 FOLLOW_STATIC = {
-    "attractors", "crosscheck", "find_orbit", "plot.figure", "sensitivities", "simulate",
+    "attractors", "crosscheck", "find_orbit", "fit", "plot.figure", "sensitivities", "simulate",
     "simulate_many", "sweep", "sweep_status",
 }  # fmt: skip
 #: Calls that take long, and differ only in the numbers of the parameters that they are given.

@@ -286,7 +286,7 @@ class PhasePlane:
         attractors.
         """
         first = self.first_points(starts[:, 1], starts[:, 2])
-        kinds = Limits(self)
+        kinds = FoundLimits(self)
         numbers = np.full(len(starts), -1)
         if first.rests.any() and self.rest_attracts:
             numbers[first.rests] = kinds.number(AT_REST)
@@ -296,7 +296,7 @@ class PhasePlane:
             numbers[order] = self._squeezed(first.x[order], first.error[order], kinds)
         return numbers, kinds.found
 
-    def _squeezed(self, x: np.ndarray, error: np.ndarray, kinds: Limits) -> np.ndarray:
+    def _squeezed(self, x: np.ndarray, error: np.ndarray, kinds: FoundLimits) -> np.ndarray:
         """Return the attractors of sorted section points, from long motions of as few as possible."""
         numbers = np.full(len(x), -1)
         tried = np.zeros(len(x), dtype=bool)
@@ -328,7 +328,7 @@ class PhasePlane:
         return numbers
 
 
-class Limits:
+class FoundLimits:
     """The different limits that have been found, in order."""
 
     def __init__(self, plane: PhasePlane) -> None:
