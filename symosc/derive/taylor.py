@@ -34,11 +34,13 @@ class Instant(NamedTuple):
     phase: Any = 0
 
 
-def bisected(is_before: Callable[[Any], bool], low: Any, high: Any) -> Any:
+def bisected(
+    is_before: Callable[[Any], bool], low: Any, high: Any, halvings: int = HALVINGS
+) -> Any:
     """Return where `is_before` changes from true to false, between two numbers."""
     before = CONTEXT.mpf(low)
     behind = CONTEXT.mpf(high)
-    for _ in range(HALVINGS):
+    for _ in range(halvings):
         middle = (before + behind) / 2
         if is_before(middle):
             before = middle

@@ -28,4 +28,6 @@ CHAPTERS = {
     "friction_curves": "friction that depends on speed, and which theorems remain",
     "equilibria": "rests and their stability, and where oscillations begin",
     "stick_slip": "stick-slip cycles in closed form",
+    "return_maps": "maps from slip to slip and from turn to turn",
+    "chaos": "when chaos is possible and when not",
 }

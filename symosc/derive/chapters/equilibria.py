@@ -91,8 +91,8 @@ def _in_a_band() -> Items:
         equation(rest, FORCE / k, exact({rest: place}), "rest"),
         r"only. The rest is asymptotically stable for $c_j > 0$, unstable for $c_j < 0$, and a "
         r"centre for $c_j = 0$.\end{proposition}",
-        r"\begin{proof} $y = x - x^{*}$ obeys $m\ddot{y} + c_j\dot{y} + k y = 0$ near the rest. Its "
-        r"characteristic roots have",
+        r"\begin{proof} $y = x - x^{*}$ obeys $m\ddot{y} + c_j\dot{y} + k y = 0$ near the rest. "
+        r"Its characteristic roots have",
         equation(first + second, -DAMPING / m, exact(values, sp.simplify), "sum"),
         equation(first * second, k / m, exact(values, sp.simplify), "product"),
         r"so both real parts have the sign of $-c_j$.\end{proof}",
@@ -124,9 +124,9 @@ def _on_a_belt() -> Items:
     return (
         r"\begin{proposition}[rests on a belt]\label{thm:equilibria-belt} Let belt $\lambda$ have "
         r"the speed 0, the kinetic friction $f_\lambda$ at the relative speed 0 and the static "
-        r"limit $s_\lambda \ge f_\lambda$, and let $H_\lambda$ be the sum of $A_0$ and the friction "
-        r"of all other belts at the velocity 0.\begin{enumerate}\item[(i)] The mass can rest on "
-        r"the belt where $|H_\lambda - k x| \le s_\lambda$: at the positions between",
+        r"limit $s_\lambda \ge f_\lambda$, and let $H_\lambda$ be the sum of $A_0$ and the "
+        r"friction of all other belts at the velocity 0.\begin{enumerate}\item[(i)] The mass can "
+        r"rest on the belt where $|H_\lambda - k x| \le s_\lambda$: at the positions between",
         equation(low, (OTHERS - HOLDING) / k, exact({low: ends[1]})),
         equation(high, (OTHERS + HOLDING) / k, exact({high: ends[0]})),
         r"an interval of the length",
@@ -135,8 +135,8 @@ def _on_a_belt() -> Items:
         r"nearby soon rests nearby, whatever the dampings of the bands are. It does not attract "
         r"the rests beside it.\item[(iii)] A rest with $f_\lambda < |H_\lambda - k x| \le "
         r"s_\lambda$ is unstable.\end{enumerate}\end{proposition}",
-        r"\begin{proof} (i) By Lemma~\ref{thm:static_friction-held}; the needed force is $H_\lambda "
-        r"- k x$ and does not change. (ii) Then",
+        r"\begin{proof} (i) By Lemma~\ref{thm:static_friction-held}; the needed force is "
+        r"$H_\lambda - k x$ and does not change. (ii) Then",
         step(F(LOWER), ">", 0, cases(*map(sign, held)), "pulled-up"),
         step(F(UPPER), "<", 0, cases(*map(sign, held)), "pulled-down"),
         r"and by continuity $|\ddot{x}| \ge a$ with some $a > 0$, towards the velocity 0, near the "
@@ -181,27 +181,27 @@ def _smooth() -> Items:
         r"\subsection{The onset in a smooth law}",
         r"Let one belt have the speed $V > 0$ and a smooth friction curve $f(w)$, $f > 0$. At "
         r"velocities $v$ below $V$ the friction on the mass is $f(V - v)$, and the mass rests at "
-        r"$(A_0 + f(V))/k$. Relative to the rest, damper and belt take the force $r(v) = c v - f(V - "
-        r"v) + f(V)$,",
+        r"$(A_0 + f(V))/k$. Relative to the rest, damper and belt take the force $r(v) = c v - f(V "
+        r"- v) + f(V)$,",
         equation(loss, near, _taylor(taken, values), "loss", note=r"$+\ O(v^4)$,"),
         r"\begin{theorem}[onset in a smooth law]\label{thm:equilibria-smooth} The rest is stable "
         r"for $c_V > 0$ and unstable for $c_V < 0$, where",
         equation(damping, c + slope, exact({damping: taken.diff(v).subs(v, 0).doit()} | values)),
-        r"At $c_V = 0$ and $f'''(V) \ne 0$ it has a Hopf bifurcation with the frequency $\omega_0 = "
-        r"\sqrt{k/m}$. The cycle has the amplitude $a$ of the velocity with",
+        r"At $c_V = 0$ and $f'''(V) \ne 0$ it has a Hopf bifurcation with the frequency $\omega_0 "
+        r"= \sqrt{k/m}$. The cycle has the amplitude $a$ of the velocity with",
         equation(square, -8 * (c + slope) / third, exact({square: found}), "amplitude"),
         r"to leading order, on the side of the onset on which this is positive. It attracts for "
-        r"$f'''(V) > 0$, and then the rest is unstable; it repels for $f'''(V) < 0$, and bounds the "
-        r"basin of the rest.\end{theorem}",
+        r"$f'''(V) > 0$, and then the rest is unstable; it repels for $f'''(V) < 0$, and bounds "
+        r"the basin of the rest.\end{theorem}",
         r"\begin{proof} $\frac{d}{dv}r(0) = c_V$ is the damping of the linear equation, to which "
-        r"Proposition~\ref{thm:equilibria-rest} applies. At $c_V = 0$ the roots are $\pm i\omega_0$, "
-        r"and they pass the imaginary axis with $c_V$. The mean power that a harmonic velocity "
-        r"$a\cos\varphi$ loses is",
+        r"Proposition~\ref{thm:equilibria-rest} applies. At $c_V = 0$ the roots are $\pm "
+        r"i\omega_0$, and they pass the imaginary axis with $c_V$. The mean power that a harmonic "
+        r"velocity $a\cos\varphi$ loses is",
         equation(power, average, exact({power: mean}), "power"),
         r"and the amplitude falls where it is positive. The term with $f''(V)$ does no work in the "
         r"mean; if it stands alone, the equation does not change when the time and the velocity "
-        r"change their signs, so all motions near the rest close, and it adds nothing to the "
-        r"first Lyapunov coefficient, which has the sign of $-f'''(V)$. The rest is Hopf's "
+        r"change their signs, so all motions near the rest close, and it adds nothing to the first "
+        r"Lyapunov coefficient, which has the sign of $-f'''(V)$. The rest is Hopf's "
         r"theorem.\end{proof}",
         r"A refined curve of straight pieces brackets this speed between the two corners at which "
         r"$c_j$ changes its sign.",
@@ -259,9 +259,9 @@ def _published() -> Items:
         r"and $f''' < 0$: the cycle exists beside the stable rest, at speeds above $V_H$, and to "
         r"leading order",
         equation(square, 8 * WIDTH * (SPEED - onset), exact({square: first_order}), "beside"),
-        r"For $f(w) = \frac{1}{2} + \frac{1}{2}e^{-2w}$ and $c = \frac{1}{10}$ "
-        r"\cite{stender2022}, and for $f_1 = 4$, $w_0 = \frac{1}{10}$, $b = \frac{1}{5}$, $c = "
-        r"5.746$, $m = 0.538$ and $k = 6957$ \cite{veraszto2017} this is",
+        r"For $f(w) = \frac{1}{2} + \frac{1}{2}e^{-2w}$ and $c = \frac{1}{10}$ \cite{stender2022}, "
+        r"and for $f_1 = 4$, $w_0 = \frac{1}{10}$, $b = \frac{1}{5}$, $c = 5.746$, $m = 0.538$ and "
+        r"$k = 6957$ \cite{veraszto2017} this is",
         decimal(
             r"\tfrac{1}{2}\ln 10",
             sp.N(formula.subs(bstab), 60)._to_mpmath(CONTEXT.prec),
@@ -346,10 +346,10 @@ def _focus() -> Items:
     scaled = named(r"\epsilon\,(m\ddot{y} + c_2\dot{y} + k y)")
     return (
         r"\subsection{The onset at a corner}",
-        r"In a law of straight pieces the rest loses its stability when the speed of a belt moves a "
-        r"corner over the velocity 0.",
-        r"\begin{theorem}[a cycle is born at a corner]\label{thm:equilibria-focus} Let $B_0 = "
-        r"0$, $k > 0$, let band 1 contain the velocity 0, and let a corner at the velocity $d > 0$ "
+        r"In a law of straight pieces the rest loses its stability when the speed of a belt moves "
+        r"a corner over the velocity 0.",
+        r"\begin{theorem}[a cycle is born at a corner]\label{thm:equilibria-focus} Let $B_0 = 0$, "
+        r"$k > 0$, let band 1 contain the velocity 0, and let a corner at the velocity $d > 0$ "
         r"separate it from band 2. Let $y = x - x^{*}$, and let both bands be underdamped. While a "
         r"motion stays in them, $m\ddot{y} + c_1\dot{y} + k y = 0$ for $\dot{y} \le d$, and for "
         r"$\dot{y} \ge d$",
@@ -360,10 +360,10 @@ def _focus() -> Items:
             "focus",
         ),
         r"\begin{enumerate}\item[(i)] If $y$ is a motion for $d$, then $\epsilon y$ is one for "
-        r"$\epsilon d$: a cycle that is born when the corner passes the velocity 0 has an amplitude "
-        r"proportional to $d$, and a period and a multiplier that do not depend on $d$.\item[(ii)] "
-        r"A flight that leaves the corner with $\ddot{y} = a d$ has, with $h$ and $\omega_d$ of its "
-        r"band,",
+        r"$\epsilon d$: a cycle that is born when the corner passes the velocity 0 has an "
+        r"amplitude proportional to $d$, and a period and a multiplier that do not depend on "
+        r"$d$.\item[(ii)] A flight that leaves the corner with $\ddot{y} = a d$ has, with $h$ and "
+        r"$\omega_d$ of its band,",
         equation(
             largest,
             launched,
@@ -378,12 +378,12 @@ def _focus() -> Items:
         ),
         r"and leaves it at the position",
         equation(position, -(m * start + FIRST) / k, exact({position: at_corner / DISTANCE}), "at"),
-        r"\item[(iii)] A cycle goes from the corner upward with $a_2 > 0$, comes back after $\tau_2$ "
-        r"with $a_1 < 0$, and is closed by a flight below the corner that lasts for $\tau_1$ and "
-        r"ends with $a_2$. Its multiplier is $e^{-(c_1\tau_1 + c_2\tau_2)/m}$.\end{enumerate}"
-        r"\end{theorem}",
-        r"\begin{proof} \eqref{eq:friction_curves-joined} gives \eqref{eq:equilibria-focus}. "
-        r"(i) Both equations and the corner are homogeneous in $y$ and $d$:",
+        r"\item[(iii)] A cycle goes from the corner upward with $a_2 > 0$, comes back after "
+        r"$\tau_2$ with $a_1 < 0$, and is closed by a flight below the corner that lasts for "
+        r"$\tau_1$ and ends with $a_2$. Its multiplier is $e^{-(c_1\tau_1 + "
+        r"c_2\tau_2)/m}$.\end{enumerate}\end{theorem}",
+        r"\begin{proof} \eqref{eq:friction_curves-joined} gives \eqref{eq:equilibria-focus}. (i) "
+        r"Both equations and the corner are homogeneous in $y$ and $d$:",
         equation(
             scaled,
             (SECOND - FIRST) * scale * DISTANCE,
@@ -391,8 +391,8 @@ def _focus() -> Items:
             "scaled",
         ),
         r"(ii) $\dot{y}$ obeys the unforced equation of each band, and begins with $d$ and $a d$; "
-        r"at the corner both bands have the same acceleration. (iii) One multiplier is 1, along the "
-        r"motion, and the product of both is \eqref{eq:friction_curves-area}.\end{proof}",
+        r"at the corner both bands have the same acceleration. (iii) One multiplier is 1, along "
+        r"the motion, and the product of both is \eqref{eq:friction_curves-area}.\end{proof}",
     )
 
 
@@ -405,9 +405,8 @@ def _example() -> Items:
     """Return the items on the cycle at a corner in numbers."""
     exact_cycle = focus_by_closed_forms()
     return (
-        r"\begin{example}[an unstable cycle]\label{thm:equilibria-example} Let $m = k = 1$, "
-        r"$c_1 = \frac{1}{10}$ and $c_2 = -\frac{3}{10}$. The three equations of (iii) have the "
-        r"solution",
+        r"\begin{example}[an unstable cycle]\label{thm:equilibria-example} Let $m = k = 1$, $c_1 = "
+        r"\frac{1}{10}$ and $c_2 = -\frac{3}{10}$. The three equations of (iii) have the solution",
         decimal("a_2", exact_cycle.start, DECIMALS, _seen(lambda cycle: cycle.start)),
         decimal(r"\tau_2", exact_cycle.times[0], DECIMALS, _seen(lambda cycle: cycle.times[0])),
         decimal(r"\tau_1", exact_cycle.times[1], DECIMALS, _seen(lambda cycle: cycle.times[1])),
@@ -429,11 +428,11 @@ def _example() -> Items:
         decimal(r"\rho", exact_cycle.factor, 11, _seen(lambda cycle: cycle.factor, 11)),
         r"Taylor series of both equations, followed from corner to corner, have the same fixed "
         r"point, and differences of their map the same multiplier. It exceeds 1: the cycle repels, "
-        r"and bounds the basin of the rest, which shrinks to nothing with $d$. The cycle ends where "
-        r"its largest velocity reaches a belt.\end{example}",
+        r"and bounds the basin of the rest, which shrinks to nothing with $d$. The cycle ends "
+        r"where its largest velocity reaches a belt.\end{example}",
         r"With $-c_1$ and $-c_2$ time runs backward, $\tilde{y}(t) = -y(-t)$ has the same "
-        r"velocities, and the cycle attracts: then the rest repels, and a stable cycle is born with "
-        r"an amplitude proportional to $d$, not to its root as in a smooth law.",
+        r"velocities, and the cycle attracts: then the rest repels, and a stable cycle is born "
+        r"with an amplitude proportional to $d$, not to its root as in a smooth law.",
     )
 
 
@@ -472,21 +471,22 @@ def _only_one() -> Items:
     return (
         r"\begin{theorem}[the cycle at a corner is the only one]\label{thm:equilibria-only} Let "
         r"$c_1 > 0 > c_2$ be the dampings below and above a corner at $d > 0$, both bands "
-        r"underdamped with $h_1$, $\omega_1$ and $h_2$, $\omega_2$, and let there be no other edge. A "
-        r"motion that starts at $y = -a$ with $\dot{y} = 0$ comes back to $\dot{y} = 0$, upward, at "
-        r"$y = -P(a)$. Then $P(a)/a$ never falls; it is $e^{-2\pi h_1/\omega_1} < 1$ for small "
-        r"$a$, it rises strictly from where the motion passes the corner, and tends to $q = "
-        r"e^{-\pi(h_1/\omega_1 + h_2/\omega_2)}$. So there is a cycle iff $q > 1$; it is the only "
-        r"one, and it repels on both sides.\end{theorem}",
+        r"underdamped with $h_1$, $\omega_1$ and $h_2$, $\omega_2$, and let there be no other "
+        r"edge. A motion that starts at $y = -a$ with $\dot{y} = 0$ comes back to $\dot{y} = 0$, "
+        r"upward, at $y = -P(a)$. Then $P(a)/a$ never falls; it is $e^{-2\pi h_1/\omega_1} < 1$ "
+        r"for small $a$, it rises strictly from where the motion passes the corner, and tends to "
+        r"$q = e^{-\pi(h_1/\omega_1 + h_2/\omega_2)}$. So there is a cycle iff $q > 1$; it is the "
+        r"only one, and it repels on both sides.\end{theorem}",
         r"\begin{proof} Let $\hat{r}$ be the force of damper and friction relative to the rest: "
         r"$c_1\dot{y}$ up to the corner and $c_1 d + c_2(\dot{y} - d)$ above. For $\epsilon > 1$",
         step(scaled, "<", scale * force, cases(sign(both_above), sign(one_above)), "outward"),
-        r"if $\epsilon\dot{y} > d$, and both are equal otherwise. Stretch a turn of a motion in the "
-        r"plane of $y$ and $\dot{y}$ by $\epsilon$. A motion that meets the stretched curve has "
-        r"there a larger acceleration than the curve has, so that it goes outward or along it: the motion "
-        r"from $-\epsilon a$ stays outside, and $P(\epsilon a) \ge \epsilon P(a)$, with $>$ if its turn "
-        r"passes the corner. Small motions stay in one band. In the limit of large ones the corner "
-        r"is at the velocity 0, and each half of a turn belongs to one band, in which",
+        r"if $\epsilon\dot{y} > d$, and both are equal otherwise. Stretch a turn of a motion in "
+        r"the plane of $y$ and $\dot{y}$ by $\epsilon$. A motion that meets the stretched curve "
+        r"has there a larger acceleration than the curve has, so that it goes outward or along it: "
+        r"the motion from $-\epsilon a$ stays outside, and $P(\epsilon a) \ge \epsilon P(a)$, with "
+        r"$>$ if its turn passes the corner. Small motions stay in one band. In the limit of large "
+        r"ones the corner is at the velocity 0, and each half of a turn belongs to one band, in "
+        r"which",
         equation(place, half, solves(0, 1, 0, 2 * RATE, RATE**2 + FREQUENCY**2), "half"),
         equation(
             opposite,
@@ -496,8 +496,8 @@ def _only_one() -> Items:
         ),
         r"A cycle has $P(a) = a$. Below this $a$ motions go inward, above it outward.\end{proof}",
         r"For $d = 0$ the corner lies at the rest, and $P(a) = q a$ for all $a$: the rest is "
-        r"asymptotically stable for $q < 1$ and unstable for $q > 1$, whatever the signs of $c_1$ and "
-        r"$c_2$ are. In the example",
+        r"asymptotically stable for $q < 1$ and unstable for $q > 1$, whatever the signs of $c_1$ "
+        r"and $c_2$ are. In the example",
         decimal("q", limit, DECIMALS, close(_limit_by_series, DECIMALS)),
         r"so that the cycle exists.",
     )

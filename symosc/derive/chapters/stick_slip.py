@@ -81,10 +81,10 @@ def _cycle() -> Items:
     at_end = {tau: turn / FREQUENCY}
     return (
         r"\subsection{Without a damper}",
-        r"\begin{theorem}[stick-slip]\label{thm:stick_slip-cycle} Let $c = A_0 = B_0 = 0$, $k > 0$, "
-        r"and let there be one belt with the speed $V > 0$, kinetic friction $f > 0$ and static "
-        r"friction $s > f$. With $a = (s - f)/k$ and $\omega_0 = \sqrt{k/m}$ every motion that "
-        r"sticks once repeats from its first slip on, with the flight",
+        r"\begin{theorem}[stick-slip]\label{thm:stick_slip-cycle} Let $c = A_0 = B_0 = 0$, $k > "
+        r"0$, and let there be one belt with the speed $V > 0$, kinetic friction $f > 0$ and "
+        r"static friction $s > f$. With $a = (s - f)/k$ and $\omega_0 = \sqrt{k/m}$ every motion "
+        r"that sticks once repeats from its first slip on, with the flight",
         equation(
             flight,
             place,
@@ -196,10 +196,11 @@ def _all_motions() -> Items:
     }
     return (
         r"\begin{theorem}[where motions end]\label{thm:stick_slip-all} In the setting of "
-        r"Theorem~\ref{thm:stick_slip-cycle} let $W = (k x - f)^2 + m k \dot{x}^2$. The motions that "
-        r"start with $\dot{x} < V$ and $W < m k V^2$ are free oscillations and never meet the belt. "
-        r"All others stick in finite time: from their first slip on they are the cycle. It is the "
-        r"only periodic motion that meets the belt, and has the multipliers 1 and 0.\end{theorem}",
+        r"Theorem~\ref{thm:stick_slip-cycle} let $W = (k x - f)^2 + m k \dot{x}^2$. The motions "
+        r"that start with $\dot{x} < V$ and $W < m k V^2$ are free oscillations and never meet the "
+        r"belt. All others stick in finite time: from their first slip on they are the cycle. It "
+        r"is the only periodic motion that meets the belt, and has the multipliers 1 and "
+        r"0.\end{theorem}",
         r"\begin{proof} Below the belt $m\ddot{x} = f - k x$, and",
         equation(energy, 0, exact(rates), "invariant"),
         r"so motions with $W < m k V^2$ do not reach the velocity $V$. A motion with $W = m k V^2$ "
@@ -235,10 +236,10 @@ def _all_motions() -> Items:
         r"which is lower than $x_p$ by the same length in each turn. So this ends. A mass passes "
         r"upward only where $-k x_r > s$, that is for $k x_p > s + 2f$, and then",
         step(again * SPRING, ">", -HOLDING, sign(_wider(beyond, more_held)), "not-below"),
-        r"so that in the end it arrives with $|k x| \le s$ and sticks. The map from slip to slip is "
-        r"constant: one multiplier is 0, and that along the motion is 1.\end{proof}",
-        r"So the cycle attracts in the strongest sense, and yet its basin is bounded by motions that "
-        r"just touch the belt: not by a cycle, but by the largest of the free oscillations.",
+        r"so that in the end it arrives with $|k x| \le s$ and sticks. The map from slip to slip "
+        r"is constant: one multiplier is 0, and that along the motion is 1.\end{proof}",
+        r"So the cycle attracts in the strongest sense, and yet its basin is bounded by motions "
+        r"that just touch the belt: not by a cycle, but by the largest of the free oscillations.",
     )
 
 
@@ -282,12 +283,12 @@ def _damped() -> Items:
         equation(slip, (HOLDING - c * SPEED) / SPRING, exact({slip: start}), "slip"),
         r"with the acceleration",
         equation(begin, -(HOLDING - KINETIC) / m, exact({begin: below, **launched}), "begin"),
-        r"\begin{lemma}[the flight]\label{thm:stick_slip-gap} At the time $\tau$ after the slip, as "
-        r"long as the mass is below the belt, in every regime of damping,",
+        r"\begin{lemma}[the flight]\label{thm:stick_slip-gap} At the time $\tau$ after the slip, "
+        r"as long as the mass is below the belt, in every regime of damping,",
         equation(gap, flown, _gap_check(velocity), "gap"),
         r"\end{lemma}",
-        r"\begin{proof} The velocity obeys the unforced equation, begins with $V$ and has the "
-        r"rate \eqref{eq:stick_slip-begin} there; its gap begins with 0. $E_1$ and $E_2$ are the "
+        r"\begin{proof} The velocity obeys the unforced equation, begins with $V$ and has the rate "
+        r"\eqref{eq:stick_slip-begin} there; its gap begins with 0. $E_1$ and $E_2$ are the "
         r"answers to a unit impulse and to a unit force.\end{proof}",
         r"\begin{theorem}[the cycle with a damper]\label{thm:stick_slip-damped} For $c \ge "
         r"2\sqrt{k m}$ no cycle meets the belt. For $0 < c < 2\sqrt{k m}$ there is a speed",
@@ -303,16 +304,17 @@ def _damped() -> Items:
             "largest",
         ),
         r"with the maximum over $\pi/\omega_d < \tau < 2\pi/\omega_d$. For $0 < V \le V^{*}$ there "
-        r"is exactly one cycle that meets the belt. Its flight lasts until the first $\tau_f$ with $k V E_2 + "
-        r"(s - f)E_1 = 0$; with the acceleration $\ddot{x}_f$ on arrival its stick lasts for",
+        r"is exactly one cycle that meets the belt. Its flight lasts until the first $\tau_f$ with "
+        r"$k V E_2 + (s - f)E_1 = 0$; with the acceleration $\ddot{x}_f$ on arrival its stick "
+        r"lasts for",
         equation(
             held,
             (HOLDING - KINETIC + m * landing) / (SPRING * SPEED),
             exact({held: (start - landed) / SPEED}),
             "damped-ride",
         ),
-        r"Every motion that sticks once is this cycle from its first slip on: one multiplier is 0. For $V > "
-        r"V^{*}$ there is no such cycle.\end{theorem}",
+        r"Every motion that sticks once is this cycle from its first slip on: one multiplier is 0. "
+        r"For $V > V^{*}$ there is no such cycle.\end{theorem}",
         r"\begin{proof} $E_2 > 0$ for $\tau > 0$, since it is $m/k$ times what is missing to 1 in "
         r"the free motion that starts at 1 at rest,",
         equation(
@@ -324,8 +326,9 @@ def _damped() -> Items:
         ),
         r"For $c \ge 2\sqrt{k m}$ also $E_1 > 0$, and the gap stays negative. Otherwise $E_1 < 0$ "
         r"for $\pi/\omega_d < \tau < 2\pi/\omega_d$, and the gap vanishes there iff $k V/(s - f)$ "
-        r"is a value of $-E_1/E_2$, which begins and ends with 0: iff $V \le V^{*}$. Later the mass does not "
-        r"come back for the first time, since $Q = \ddot{x}^2 + \frac{k}{m}\dot{x}^2$ has",
+        r"is a value of $-E_1/E_2$, which begins and ends with 0: iff $V \le V^{*}$. Later the "
+        r"mass does not come back for the first time, since $Q = \ddot{x}^2 + "
+        r"\frac{k}{m}\dot{x}^2$ has",
         equation(
             change,
             -2 * c * rate**2 / m,
@@ -338,8 +341,8 @@ def _damped() -> Items:
         step(F(2) - EXCESS, "<", 0, sign(arriving), "held-down"),
         r"and the mass sticks. All slips are at the same place, so that after one of them all "
         r"motions are one. A periodic motion that meets the belt but never sticks would pass it. "
-        r"After a flight that begins at the belt with $\ddot{x}$, $Q$ says that it comes back with a "
-        r"smaller $|\ddot{x}|$, and a passage makes it smaller by $2f/m$: this cannot repeat. "
+        r"After a flight that begins at the belt with $\ddot{x}$, $Q$ says that it comes back with "
+        r"a smaller $|\ddot{x}|$, and a passage makes it smaller by $2f/m$: this cannot repeat. "
         r"\end{proof}",
     )
 
@@ -395,11 +398,11 @@ def _end() -> Items:
     needed = balance(x, SPEED, 0).subs({B0: 0, solution.A: 0, solution.k: SPRING}) * m
     return (
         r"\begin{theorem}[a discontinuous fold]\label{thm:stick_slip-end} Let $0 < c < 2\sqrt{k "
-        r"m}$. At $V = V^{*}$ the flight of the cycle touches the belt: it arrives with $\ddot{x}_f = "
-        r"0$, at the only $\tau^{*}$ in $(\pi/\omega_d, 2\pi/\omega_d)$ with",
+        r"m}$. At $V = V^{*}$ the flight of the cycle touches the belt: it arrives with "
+        r"$\ddot{x}_f = 0$, at the only $\tau^{*}$ in $(\pi/\omega_d, 2\pi/\omega_d)$ with",
         equation(E0, sp.exp(-c * named(r"\tau^{*}") / m), _end_check(volume, at_end), "touch"),
-        r"Below $V^{*}$ its duration is $\tau_f = \tau^{*} - \sqrt{2E_2(\tau^{*})(V^{*} - V)/V^{*}}$ "
-        r"to leading order. The slip covers the way",
+        r"Below $V^{*}$ its duration is $\tau_f = \tau^{*} - \sqrt{2E_2(\tau^{*})(V^{*} - "
+        r"V)/V^{*}}$ to leading order. The slip covers the way",
         equation(
             way,
             (HOLDING - KINETIC) / SPRING,
@@ -408,8 +411,8 @@ def _end() -> Items:
         ),
         r"at the end: the cycle does not shrink, its multiplier stays 0, and beyond $V^{*}$ it is "
         r"gone, while the rest has been stable all the time.\end{theorem}",
-        r"\begin{proof} Let $\psi = -E_1/E_2$, so that $V = \psi(\tau_f)(s - f)/k$. With $E_0 = 1 - "
-        r"\frac{k}{m}E_2 - \frac{c}{m}E_1$",
+        r"\begin{proof} Let $\psi = -E_1/E_2$, so that $V = \psi(\tau_f)(s - f)/k$. With $E_0 = 1 "
+        r"- \frac{k}{m}E_2 - \frac{c}{m}E_1$",
         equation(slope, riccati, exact({slope: first, ratio: -E1 / E2, **relation}, sp.simplify)),
         equation(
             bend,
@@ -417,8 +420,8 @@ def _end() -> Items:
             exact({bend: again}, sp.simplify),
             "bend",
         ),
-        r"Where $\dot{\psi} = 0$ and $E_1 < 0$ thus $\ddot{\psi} = -\psi/E_2 < 0$: there is one maximum, "
-        r"at $E_0 E_2 = E_1^2$. The determinant of the flight is",
+        r"Where $\dot{\psi} = 0$ and $E_1 < 0$ thus $\ddot{\psi} = -\psi/E_2 < 0$: there is one "
+        r"maximum, at $E_0 E_2 = E_1^2$. The determinant of the flight is",
         equation(determinant, volume, _determinant_check(), "volume"),
         r"and is $e^{-c\tau/m}$ by \eqref{eq:jacobians-det}; with $E_0 E_2 = E_1^2$ it is $E_0$. "
         r"There $V(\tau) = \psi(\tau)(s - f)/k$ has",
@@ -434,11 +437,11 @@ def _end() -> Items:
             "root",
         ),
         r"which gives the root. The touch has $m\ddot{x} = f - c V - k x = 0$.\end{proof}",
-        r"Motions that just touch the belt at $V^{*}$ stick and are the cycle; at a larger $V$ the same "
-        r"start leads to the rest. Between the rest and the cycle there is no unstable cycle with which the "
-        r"cycle could merge: what bounds the basin of the rest is the flight that touches the "
-        r"belt. A fold of smooth cycles has a multiplier 1 and a partner; this end has neither "
-        r"\cite{leine2004}.",
+        r"Motions that just touch the belt at $V^{*}$ stick and are the cycle; at a larger $V$ the "
+        r"same start leads to the rest. Between the rest and the cycle there is no unstable cycle "
+        r"with which the cycle could merge: what bounds the basin of the rest is the flight that "
+        r"touches the belt. A fold of smooth cycles has a multiplier 1 and a partner; this end has "
+        r"neither \cite{leine2004}.",
     )
 
 
@@ -676,13 +679,14 @@ def _pulled() -> Items:
             "first",
         ),
         r"and each later one for $\tau_s = 2(s - f)/(k V)$.\end{theorem}",
-        r"\begin{proof} Put $X = V t - x$ into the equation of the block. Friction opposes $\dot{X}$, and "
-        r"$-T$ opposes $\dot{x} - V$. While the block sticks, its spring grows by $V\tau_s = 2a$; in "
-        r"a period it does not change.\end{proof}",
+        r"\begin{proof} Put $X = V t - x$ into the equation of the block. Friction opposes "
+        r"$\dot{X}$, and $-T$ opposes $\dot{x} - V$. While the block sticks, its spring grows by "
+        r"$V\tau_s = 2a$; in a period it does not change.\end{proof}",
         r"As $V \to 0$",
         equation(limit, 2 * HALF, _limit_check(moved), "slow"),
-        r"that is $2(s - f)/k$, the jump that textbooks have; it is longer at each $V > 0$. For $m = 1$, $k = 2$, $V = "
-        r"\frac{1}{10}$, $f = \frac{1}{2}$ and $s = \frac{4}{5}$ the slip and the period last for",
+        r"that is $2(s - f)/k$, the jump that textbooks have; it is longer at each $V > 0$. For $m "
+        r"= 1$, $k = 2$, $V = \frac{1}{10}$, $f = \frac{1}{2}$ and $s = \frac{4}{5}$ the slip and "
+        r"the period last for",
         decimal(
             r"\tau_f",
             _plain_period(_PULLED) - 3,
