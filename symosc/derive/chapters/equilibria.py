@@ -183,7 +183,7 @@ def _smooth() -> Items:
         r"velocities $v$ below $V$ the friction on the mass is $f(V - v)$, and the mass rests at "
         r"$(A_0 + f(V))/k$. Relative to the rest, damper and belt take the force $r(v) = c v - f(V "
         r"- v) + f(V)$,",
-        equation(loss, near, _taylor(taken, values), "loss", note=r"$+\ O(v^4)$,"),
+        equation(loss, near, _taylor(taken, values), "loss", note="and terms of the order $v^4$."),
         r"\begin{theorem}[onset in a smooth law]\label{thm:equilibria-smooth} The rest is stable "
         r"for $c_V > 0$ and unstable for $c_V < 0$, where",
         equation(damping, c + slope, exact({damping: taken.diff(v).subs(v, 0).doit()} | values)),

@@ -195,7 +195,7 @@ def _next_phase(slip: Slip) -> Any:
 def _steep() -> Items:
     """Return the items on the square root and the jumps of the map."""
     turned = sp.Symbol("theta_0", real=True)
-    before = named(r"t_0 - t_e")
+    before = named(r"t_{0} - t_{e}")
     first = named(r"\xi_0")
     early = sp.sqrt(2 * k * (first - LINE) / (B0 * Omega**2 * sp.cos(turned)))
     turning = {sp.sin(turned): -k * v_lambda / (B0 * Omega)}
@@ -249,7 +249,7 @@ def _touches(turned: Any, first: Any) -> Check:
 
 def _first_order(turned: Any, turning: dict[Any, Any]) -> Check:
     """Return the check that the right side is the force's rate shortly before it turns."""
-    early = named(r"t_0 - t_e")
+    early = named(r"t_{0} - t_{e}")
     rate = _fall(turned - Omega * early)
     terms = [sp.expand(rate.diff(early, n).subs(early, 0) * early**n) for n in range(2)]
     return exact({FALL: sp.expand(sp.Add(*terms).subs(turning))}, sp.simplify)
@@ -386,7 +386,7 @@ def _turns_by_series() -> Turns:
 
 def _jump() -> Items:
     """Return the items on the basin of a rest that a touch bounds."""
-    touching, cycle, missing = (named(name) for name in ("a_0", "P(a_0)", "P(a_0^{+})"))
+    touching, cycle, missing = (named(name) for name in ("a_0", "P(a_{0})", "P(a_{0}^{+})"))
     turns = _turns_by_formula()
     values = {touching: turns.touching, cycle: turns.cycle, missing: turns.missing}
     return (
@@ -396,9 +396,9 @@ def _jump() -> Items:
         decimal("a_0", turns.touching, PLACES, close(lambda: _turns_by_series().touching, PLACES)),
         r"There $P$ jumps: the path that touches the belt sticks and turns next on the cycle, and "
         r"one that misses it, however closely, turns at",
-        decimal("P(a_0)", turns.cycle, PLACES, close(lambda: _turns_by_series().cycle, PLACES)),
+        decimal("P(a_{0})", turns.cycle, PLACES, close(lambda: _turns_by_series().cycle, PLACES)),
         decimal(
-            "P(a_0^{+})",
+            "P(a_{0}^{+})",
             turns.missing,
             PLACES,
             close(lambda: _turns_by_series().missing, PLACES),
