@@ -426,7 +426,7 @@ def _horseshoe() -> Items:
             )
             for phase in (row.low, row.high)
         ]
-        minima = equation(named("n"), row.minima, _proven(row))
+        minima = equation(named("n"), row.minima, _proven(row), f"map-{row.name}")
         interval = f"${row.name} = [{row.low}, {row.high}]$"
         rows.append((interval, *images, minima, f"${row.covers}$"))
     growth = named(r"\lambda^3")
@@ -445,7 +445,7 @@ def _horseshoe() -> Items:
         equation(growth, base**2 + 1, _root_check(value), "growth"),
         decimal(r"\ln\lambda", CONTEXT.log(value), DECIMALS, close(_entropy_by_count, DECIMALS)),
         r"\item[(iii)] motions with different sequences of blocks are at some time more than "
-        r"$0.11$ apart in the phase of their slips.\end{enumerate}\end{theorem}",
+        r"$0.11$ apart in the phase of their slips.",
         facts(
             step(
                 sp.Rational("3.152") - sp.Rational("3.04"),
@@ -455,6 +455,7 @@ def _horseshoe() -> Items:
                 decimals=True,
             ),
         ),
+        r"\end{enumerate}\end{theorem}",
         Table(
             "tab:chaos-cover",
             r"Intervals of phases, the images of both ends, how often the force that the next "

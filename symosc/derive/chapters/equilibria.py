@@ -165,7 +165,7 @@ def _smooth() -> Items:
         for order, name in enumerate((slope, bend, third), 1)
     }
     damping = named("c_V")
-    loss = named("r(v)")
+    loss = named(r"r(\dot{x})")
     # what the damper and the belt take, relative to the rest, at a velocity v below the belt's
     taken = c * v - curve(speed - v) + curve(speed)
     near = (c + slope) * v - bend * v**2 / 2 + third * v**3 / 6
@@ -180,9 +180,9 @@ def _smooth() -> Items:
     return (
         r"\subsection{The onset in a smooth law}",
         r"Let one belt have the speed $V > 0$ and a smooth friction curve $f(w)$, $f > 0$. At "
-        r"velocities $v$ below $V$ the friction on the mass is $f(V - v)$, and the mass rests at "
-        r"$(A_0 + f(V))/k$. Relative to the rest, damper and belt take the force $r(v) = c v - f(V "
-        r"- v) + f(V)$,",
+        r"velocities $\dot{x}$ below $V$ the friction on the mass is $f(V - \dot{x})$, and the "
+        r"mass rests at $(A_0 + f(V))/k$. Relative to the rest, damper and belt take the force "
+        r"$r(\dot{x}) = c\dot{x} - f(V - \dot{x}) + f(V)$,",
         equation(loss, near, _taylor(taken, values), "loss", note="and terms of the order $v^4$."),
         r"\begin{theorem}[onset in a smooth law]\label{thm:equilibria-smooth} The rest is stable "
         r"for $c_V > 0$ and unstable for $c_V < 0$, where",
@@ -193,8 +193,8 @@ def _smooth() -> Items:
         r"to leading order, on the side of the onset on which this is positive. It attracts for "
         r"$f'''(V) > 0$, and then the rest is unstable; it repels for $f'''(V) < 0$, and bounds "
         r"the basin of the rest.\end{theorem}",
-        r"\begin{proof} $\frac{d}{dv}r(0) = c_V$ is the damping of the linear equation, to which "
-        r"Proposition~\ref{thm:equilibria-rest} applies. At $c_V = 0$ the roots are $\pm "
+        r"\begin{proof} The slope of $r$ at 0, $c_V$, is the damping of the linear equation, to "
+        r"which Proposition~\ref{thm:equilibria-rest} applies. At $c_V = 0$ the roots are $\pm "
         r"i\omega_0$, and they pass the imaginary axis with $c_V$. The mean power that a harmonic "
         r"velocity $a\cos\varphi$ loses is",
         equation(power, average, exact({power: mean}), "power"),
@@ -214,7 +214,7 @@ def _taylor(taken: Any, values: dict[Any, Any]) -> Check:
         taken.diff(v, order).subs(v, 0).doit() * v**order / sp.factorial(order)
         for order in range(4)
     ]
-    return exact({named("r(v)"): sp.Add(*terms)} | values)
+    return exact({named(r"r(\dot{x})"): sp.Add(*terms)} | values)
 
 
 def _falling(w: Any) -> Any:

@@ -20,11 +20,7 @@ from symosc.derive.slip_map import (
 )
 from symosc.derive.steps import (
     CONTEXT,
-    Check,
     Items,
-    Step,
-    StepError,
-    StepEvidence,
     at_root,
     close,
     decimal,
@@ -101,7 +97,7 @@ def _section() -> Items:
         r"the slip: \eqref{eq:static_friction-shift} with $\delta x = \delta\xi$.\end{proof}",
         r"Slips upward have $b < 0$ and slips downward $b > 0$, by "
         r"Theorem~\ref{thm:static_friction-exits}. So the phases of slips are two arcs of the "
-        r"circle, one for each side, or a single one if $|B_0|\Omega < k|v_\lambda|$.",
+        r"circle, one for each side; for $|B_0|\Omega < k|v_\lambda|$ all slips are on one side.",
     )
 
 
@@ -133,15 +129,15 @@ def _derivative() -> Items:
         ),
         r"and if that stick ends with $b' \ne 0$, the phase has",
         equation(
-            turned,
-            FALL / NEXT_FALL * growth,
+            NEXT_FALL * turned,
+            FALL * growth,
             exact({turned: to_next * growth / to_line, **rates}),
             "by-phase",
         ),
-        r"If the flight passes belts on its way, $d\xi'/d\xi$ is the first entry of "
-        r"$\Phi(\tau_n)S_{n-1} \cdots S_1\Phi(\tau_1)\,(1, \sigma E k/(m b))^T$ with the matrices "
-        r"$S_j$ of the passages; through the bands of friction curves each piece of the flight has "
-        r"the $\Phi$ of its band. \end{theorem}",
+        r"If the flight passes belts on its way, $d\xi'/d\xi$ is the first entry of the product "
+        r"$\Phi(\tau_n)S_{n-1}\cdots S_1\Phi(\tau_1)$, with the matrices $S_j$ of the passages, "
+        r"times the column of 1 and $\sigma E k/(m b)$; through the bands of friction curves each "
+        r"piece of the flight has the $\Phi$ of its band.\end{theorem}",
         r"\begin{proof} At a fixed time the position behind the slip changes by $\delta\xi$, and "
         r"by \eqref{eq:static_friction-saltation} the velocity by",
         equation(
@@ -195,26 +191,32 @@ def _next_phase(slip: Slip) -> Any:
 def _steep() -> Items:
     """Return the items on the square root and the jumps of the map."""
     turned = sp.Symbol("theta_0", real=True)
-    before = named(r"t_{0} - t_{e}")
+    early = named(r"\delta t")
     first = named(r"\xi_0")
-    early = sp.sqrt(2 * k * (first - LINE) / (B0 * Omega**2 * sp.cos(turned)))
+    square = 2 * k * (first - LINE) / (B0 * Omega**2 * sp.cos(turned))
+    # the force less its limit, and its rate, at the time delta t before t_0 on the line xi
+    wave = sp.cos(turned - Omega * early) - sp.cos(turned)
+    force = B0 * wave + k * v_lambda * early + k * (first - LINE)
     turning = {sp.sin(turned): -k * v_lambda / (B0 * Omega)}
+    to_second_order = _series(force, early, 2).subs(turning)
+    (zero,) = sp.solve(to_second_order, early**2)
+    rate = _series(_fall(turned - Omega * early), early, 1).subs(turning)
     return (
         r"\subsection{Where the map is steep, and where it jumps}",
         r"\begin{theorem}[a needed force that turns at its limit]\label{thm:return_maps-root} Let "
         r"the needed force of the line $\xi_0$ touch the limit $\sigma\mu_{s\lambda}F_N$ at a time "
         r"$t_0$, without passing it, and $B_0\cos\theta_0 \ne 0$ at its phase $\theta_0$. Lines "
-        r"$\xi$ near $\xi_0$ with $(\xi_0 - \xi)B_0\cos\theta_0 > 0$ slip before, with",
-        equation(before, early, _touches(turned, first), "root"),
-        r"and",
+        r"$\xi$ near $\xi_0$ with $(\xi_0 - \xi)B_0\cos\theta_0 > 0$ slip before $t_0$, by $\delta "
+        r"t$ with",
+        equation(early**2, square, exact({early: sp.sqrt(zero)}, sp.simplify), "root"),
         equation(
             FALL,
-            -B0 * Omega**2 * sp.cos(turned) / m * before,
-            _first_order(turned, turning),
+            -B0 * Omega**2 * sp.cos(turned) / m * early,
+            exact({FALL: rate}, sp.simplify),
             "small",
         ),
-        r"to leading order, so that $d\xi'/d\xi$ grows like $1/(t_0 - t_e)$, without a bound if $E "
-        r"> 0$. Lines on the other side of $\xi_0$ are held there and slip later by a finite "
+        r"to leading order, so that $d\xi'/d\xi$ grows like $1/\delta t$, without a bound if $E > "
+        r"0$. Lines on the other side of $\xi_0$ are held there and slip later by a finite "
         r"time.\end{theorem}",
         r"\begin{proof} At $\xi_0$ and $t_0$ the needed force has the slope $-m b = 0$ and the "
         r"second derivative $-B_0\Omega^2\cos\theta_0$; on another line it differs by $k(\xi_0 - "
@@ -223,36 +225,17 @@ def _steep() -> Items:
         r"So next to each jump of this kind the map behaves like a square root. It jumps for one "
         r"more reason: a flight that touches a belt with $E > 0$ begins to stick, while one that "
         r"misses it flies on (Theorem~\ref{thm:static_friction-graze}). Elsewhere the map is "
-        r"analytic, since all its pieces are. For $E = 0$ the map of the states is continuous, and "
-        r"only the name of the next slip may change.",
+        r"analytic, since all its pieces are. For $E = 0$ the motion depends continuously on its "
+        r"start, and at a jump of the map only the name of the next slip changes.",
     )
 
 
-def _touches(turned: Any, first: Any) -> Check:
-    """Return the check that the right side is the first zero of the force to second order in time."""
-
-    def check(statement: Step) -> StepEvidence:
-        early = statement.right
-        wave = B0 * (sp.cos(turned - Omega * t) - sp.cos(turned))
-        # the force less its limit, at a time t before t_0 on the line xi
-        force = wave + k * v_lambda * t + k * (first - LINE)
-        terms = [force.diff(t, n).subs(t, 0) / sp.factorial(n) for n in range(3)]
-        slope = terms[1].subs(sp.sin(turned), -k * v_lambda / (B0 * Omega))
-        rest = sp.simplify(terms[0] + terms[2] * early**2)
-        ahead = {k: 1, B0: 1, Omega: 1, m: 1, turned: 0, first: 2, LINE: 1}
-        if sp.simplify(slope) != 0 or rest != 0 or not early.subs(ahead) > 0:
-            raise StepError(str(statement), f"{slope} and {rest} remain")
-        return StepEvidence("exact", "0")
-
-    return check
-
-
-def _first_order(turned: Any, turning: dict[Any, Any]) -> Check:
-    """Return the check that the right side is the force's rate shortly before it turns."""
-    early = named(r"t_{0} - t_{e}")
-    rate = _fall(turned - Omega * early)
-    terms = [sp.expand(rate.diff(early, n).subs(early, 0) * early**n) for n in range(2)]
-    return exact({FALL: sp.expand(sp.Add(*terms).subs(turning))}, sp.simplify)
+def _series(expr: Any, letter: Any, order: int) -> Any:
+    """Return the Taylor polynomial of an expression in a letter."""
+    terms = (
+        expr.diff(letter, n).subs(letter, 0) * letter**n / sp.factorial(n) for n in range(order + 1)
+    )
+    return sp.expand(sp.Add(*terms))
 
 
 # --- without a drive ---

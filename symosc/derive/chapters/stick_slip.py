@@ -453,8 +453,8 @@ def _end_check(volume: Any, at_end: Meaning) -> Check:
         rest = sp.simplify(volume.xreplace(at_end) - at_end[E0])
         if statement.left != E0 or statement.right != decay or rest != 0:
             raise StepError(str(statement), f"{rest} remains")
-        values = _touch_by_newton(_DAMPED)
-        off = values.wave - CONTEXT.exp(-_DAMPED.damping * values.time)
+        values = touch_by_newton(DAMPED)
+        off = values.wave - CONTEXT.exp(-DAMPED.damping * values.time)
         if abs(off) > CONTEXT.mpf(10) ** -45:
             raise StepError(str(statement), f"is off by {off} in the example")
         return StepEvidence("exact", "0")
@@ -495,7 +495,7 @@ class Turn(NamedTuple):
 
 
 _PLAIN = Machine(0, 1, CONTEXT.mpf(1) / 5, CONTEXT.mpf(1) / 2, 1)
-_DAMPED = Machine(CONTEXT.mpf(1) / 10, 1, None, CONTEXT.mpf(1) / 2, 1)
+DAMPED = Machine(CONTEXT.mpf(1) / 10, 1, None, CONTEXT.mpf(1) / 2, 1)
 _PULLED = Machine(0, 2, CONTEXT.mpf(1) / 10, CONTEXT.mpf(1) / 2, CONTEXT.mpf(4) / 5)
 _SPEEDS = ("1/10", "3/10", "1/2")
 
@@ -545,7 +545,7 @@ def _basis(machine: Machine, time: Any) -> tuple[Any, Any, Any]:
 
 
 @cache
-def _touch_by_newton(machine: Machine) -> Touch:
+def touch_by_newton(machine: Machine) -> Touch:
     """Return the touch from E0 = exp(-c tau/m), by Newton's method."""
     time = CONTEXT.mpf("5.5")
     for _ in range(9):
@@ -562,16 +562,16 @@ def _touch_by_newton(machine: Machine) -> Touch:
 def _touch_by_series() -> Touch:
     """Return the touch by Taylor series, backward in time from the touch to the slip."""
     # The velocity in units of V: 1 with the rate 0 at the touch. Backward the damping is negative.
-    backward = LinearEquation(-_DAMPED.damping, _DAMPED.stiffness)
+    backward = LinearEquation(-DAMPED.damping, DAMPED.stiffness)
     slip = first_pass(backward, Instant(0, CONTEXT.mpf(1), CONTEXT.mpf(0)), lambda u, _: u > 1)
-    return Touch(slip.time, None, (_DAMPED.holding - _DAMPED.kinetic) / slip.rate)
+    return Touch(slip.time, None, (DAMPED.holding - DAMPED.kinetic) / slip.rate)
 
 
-def _flight_by_formula(machine: Machine) -> Turn:
+def flight_by_formula(machine: Machine) -> Turn:
     """Return the cycle of a damped machine from k V E2 + (s - f) E1 = 0."""
     excess = machine.holding - machine.kinetic
     pull = machine.stiffness * machine.speed
-    touch = _touch_by_newton(machine._replace(speed=None))
+    touch = touch_by_newton(machine._replace(speed=None))
 
     def is_before(time: Any) -> bool:
         _, wave, area = _basis(machine, time)
@@ -586,11 +586,11 @@ def _flight_by_formula(machine: Machine) -> Turn:
 
 def _numbers() -> Items:
     """Return the items on the damped cycle in numbers."""
-    touch = _touch_by_newton(_DAMPED)
+    touch = touch_by_newton(DAMPED)
     rows = []
     for text in _SPEEDS:
-        machine = _DAMPED._replace(speed=number(sp.Rational(text).p) / sp.Rational(text).q)
-        turn = _flight_by_formula(machine)
+        machine = DAMPED._replace(speed=number(sp.Rational(text).p) / sp.Rational(text).q)
+        turn = flight_by_formula(machine)
         values = (turn.flight, turn.stick, turn.period)
         parts = ("flight", "stick", "period")
         cells = tuple(
