@@ -104,6 +104,7 @@ class Belt:
         require(NUMBER, v=v, slope=slope)
         require_or_none(NUMBER, mu=mu, mu_s=mu_s)
         if mu is not None and curve is not None:
+            read_number("mu", mu)
             raise ParameterError("curve", curve, "must be omitted if mu is given, or mu omitted")
         points: Points = ()
         if curve is not None:

@@ -19,14 +19,15 @@ from typing import NamedTuple, TypeAlias
 
 from symosc.base.arguments import FLAG, WORD, public, require
 from symosc.base.errors import SymoscError, brief, shown
-from symosc.friction import MAPS, NEIGHBOURS, Map, geometry
+from symosc.friction import MAPS, MOST_BELTS, Map, geometry
 
-#: What the mappings at the lower of two belts are called where there is no other one: P1, P2 and P3
-#: are S1, B1 and A1.
-ALONE = dict(zip(MAPS, geometry(1).maps, strict=False))
+#: The mappings of another number of belts than two, by label.
+OF_BELTS = geometry(MOST_BELTS).maps
+#: What the mappings of two belts are called beside other ones: P1, P2 and P3 are S1, B1 and A1.
+ALONE = dict(zip(MAPS, OF_BELTS, strict=False))
 PAIRED = {label: paper for paper, label in ALONE.items()}
-#: The mappings of two belts and those of one, by label, with the modes of the engine.
-KNOWN_MAPS = MAPS | {label: MAPS[paper]._replace(label=label) for label, paper in PAIRED.items()}
+#: The mappings of any number of belts by label, with the modes of the engine.
+KNOWN_MAPS = MAPS | OF_BELTS
 
 
 class WordError(SymoscError, ValueError):
@@ -124,7 +125,7 @@ class Word(NamedTuple):
         sides: list[str | None] = []
         for step, after in zip(self.maps, [*self.maps[1:], self.maps[0]], strict=True):
             leaves = step.sticks and not after.sticks and after.start.boundary == step.end.boundary
-            if after.domain == NEIGHBOURS[step.end.boundary][0]:
+            if after.domain == step.end.boundary:  # a belt has the number of the domain below it
                 side = "below"
             else:
                 side = "above"
@@ -168,16 +169,22 @@ def latex_label(label: str) -> str:
 
 
 def of_belts(word: Word, belts: int) -> Word:
-    """Return a word with the labels of a law of one belt, or of two.
+    """Return a word with the labels of a law of so many belts.
 
-    Raise WordError if it is about a second belt and there is one.
+    Raise WordError if it is about a belt that there is not.
     """
-    names = ALONE if belts == 1 else PAIRED
+    names = PAIRED if belts == 2 else ALONE
     labels = tuple(names.get(label, label) for label in word.labels)
-    for label in labels:
-        if belts == 1 and label in MAPS:
-            reason = f"{label} is at belt 2, and there is one belt: its mappings are S1, B1 and A1"
-            raise WordError(str(word), reason)
+    for given, label in zip(word.labels, labels, strict=True):
+        row = KNOWN_MAPS[label]
+        belt = max(row.start.boundary, row.end.boundary)
+        if belt <= belts:
+            continue
+        if belts == 1:
+            there = "there is one belt: its mappings are S1, B1 and A1"
+        else:
+            there = f"there are {belts} belts"
+        raise WordError(str(word), f"{given} is at belt {belt}, and {there}")
     return Word(labels)
 
 
@@ -333,7 +340,7 @@ def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
     if not labels:
         raise WordError(repr(text), "is empty; write for example P32, which applies P2 first")
     if len({label in MAPS for label in labels}) > 1:
-        reason = "mixes mappings of two belts (P1 to P8) with those of one (S1, B1, A1)"
+        reason = "mixes mappings of two belts (P1 to P8) with those of other laws (S1, B1, A1 ...)"
         raise WordError(text, reason)
     return tuple(reversed(labels)), text
 
@@ -344,7 +351,7 @@ def _labels_of(part: object) -> list[str]:
     """
     if not isinstance(part, str):
         return []
-    if part in PAIRED:
+    if part in OF_BELTS:
         return [str(part)]
     match = re.fullmatch(r"P_?\{?([1-8]+)\}?", part)
     if match is None:

@@ -126,7 +126,8 @@ def test_words_are_read_and_written() -> None:
         ("S1", "S1 cannot follow S1"),
         ("B1 B1", "only a graze"),
         ("P3 B1", "mixes mappings"),
-        ("B1 B2", "S1, B1 and A1"),
+        ("B1 B2", "B1 cannot follow B2"),
+        ("B1 B", "S1, B1 and A1"),
         ("A1B1", "is not a mapping"),
     ):
         with pytest.raises(WordError, match=message):

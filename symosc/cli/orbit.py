@@ -15,6 +15,7 @@ from symosc.base.files import STDOUT
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, option
 from symosc.reductions import MODEL_NAMES
+from symosc.words import Word
 
 
 @click.command()
@@ -80,9 +81,7 @@ def orbit(
         raise click.BadParameter(reason, param_hint="--continue")
     problem = options.reduced_scene(problem, any_law=True)
     with output.failing(symosc.ConvergenceError):
-        closed_orbit = symosc.find_orbit(
-            problem.parameters, structure or problem.structure, **exact
-        )
+        closed_orbit = symosc.find_orbit(problem, structure or problem.structure, **exact)
     branch = None
     if closed_orbit.admissible:
         if span is not None:
@@ -149,18 +148,20 @@ def _report_text(
         return value.context.nstr(value, orbit.digits)
 
     rows = []
-    for piece, (t, x) in zip(orbit.equations().pieces, orbit.points, strict=True):
-        if piece.sticks:
-            action = f"sticks to belt {piece.start}"
+    for row, (t, x) in zip(Word(orbit.labels).maps, orbit.points, strict=True):
+        if row.sticks:
+            action = f"sticks to belt {row.start.boundary}"
         else:
-            action = f"moves in Omega{piece.mode} from v{piece.start} to v{piece.end}"
-        rows.append([decimal(t), decimal(x), piece.label, action])
+            action = f"moves in Omega{row.domain} from v{row.start.boundary} to v{row.end.boundary}"
+        rows.append([decimal(t), decimal(x), row.label, action])
     sizes = ", ".join(_complex(value) for value in orbit.multipliers)
     lines = [
         output.plain_table(["t", "x", "map", "from here it"], rows),
         "",
-        f"{orbit.word}: {orbit.message}",
+        f"{orbit.word or 'no belt'}: {orbit.message}",
     ]
+    if not rows:
+        del lines[:2]
     lines.append(
         f"period {decimal(orbit.period)}, multipliers {sizes}, residual {orbit.residual:.1e}"
     )

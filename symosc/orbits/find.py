@@ -12,16 +12,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.base.aliases import DataFrame, Number, Points
-from symosc.base.arguments import TABLE_LIKE, WORD, public, require_or_none
+from symosc.base.aliases import DataFrame, Number, NumberLike, Points
+from symosc.base.arguments import NUMBER, TABLE_LIKE, WORD, public, require_or_none
 from symosc.base.arrays import real_array
 from symosc.base.errors import ParameterError
-from symosc.base.exact import read_digits, unmasked, whole_number
+from symosc.base.exact import read_digits, read_exact, unmasked, whole_number
 from symosc.engine.arithmetic import column_functions, mp_context
 from symosc.engine.start import belt_start, belt_state
 from symosc.engine.state import CROSS, END, FAILED, ON_BELT, REST, SLIP, STICK, Covariance
 from symosc.friction import MODE_NAMES
-from symosc.model import Parameters
+from symosc.model import Model, Parameters
 from symosc.orbits.admissibility import (
     FLIGHT_LASTS,
     STICK_LASTS,
@@ -38,8 +38,16 @@ from symosc.orbits.closing_equations import (
     solve,
 )
 from symosc.orbits.floquet import multipliers_of, rest_positions, stability_margin
-from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
-from symosc.scenes import ParametersLike, belts_of
+from symosc.orbits.periodic_orbit import (
+    PeriodicOrbit,
+    SwitchingPoint,
+    counted_periods,
+    multiplier_text,
+)
+from symosc.orbits.settling import orbit_of_labels, settled_orbit_of
+from symosc.orbits.shooting import orbit_near
+from symosc.reductions import OtherModel
+from symosc.scenes import ParametersLike, Scene, load_scene, model_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.loops import CHOICE
 from symosc.simulation.problems import named
@@ -70,8 +78,6 @@ SETTLING_EVENTS = 400
 # The most forcing periods of an orbit. The search tries evenly spaced points over all of them;
 # beyond these it takes minutes.
 MOST_PERIODS = 200
-# Multipliers that differ from 1 by less are written as 1 and the difference.
-NEAR_ONE_TEXT = 1e-5
 #: Forcing periods by which the motion from rest may have settled.
 SETTLING_PERIODS = (50, 1_000, 20_000)
 # A motion is followed for at most so many forcing periods, and so many searches for each event.
@@ -94,27 +100,36 @@ def find_orbit(
     digits: int | None = None,
     *,
     periods: int | None = None,
+    t0: NumberLike | None = None,
+    x0: NumberLike | None = None,
+    v0: NumberLike | None = None,
 ) -> PeriodicOrbit:
-    """Find the periodic orbit to which the motion settles, or that with a given mapping structure.
+    """Find the periodic orbit to which a motion settles, or that with a given mapping structure.
 
     Parameters
     ----------
-    parameters : Parameters, or a Scene, its name or its file
-        With k > 0: without a spring nothing fixes the position of an orbit.
+    parameters : Parameters or Oscillator, or a Scene, its name or its file
+        With any friction law, and k > 0: without a spring nothing fixes the position of an orbit.
     word : str or sequence of str, optional
-        The mapping structure, read right to left: "P32" is P2 first, then P3. Where there is one
-        belt the mappings are S1, B1 and A1 (P1, P2 and P3 are read as these). All rotations of a
-        word are one orbit: its word is `Word.cycle`, and its points begin where that does. None:
-        the word of the motion that starts with x = v = 0 at t = 0, once it has settled.
+        The mapping structure, read right to left: "P32" is P2 first, then P3. Where there are not
+        two belts the mappings are S, B, A, U and D with the numbers of belts (P1, P2 and P3 are
+        read as S1, B1 and A1). All rotations of a word are one orbit: its word is `Word.cycle`, and
+        its points begin where that does. None: the orbit to which the motion from the start
+        settles; with a `guess` under a law that is not the paper's, the orbit near it.
     guess : optional
         None: from simulations. Or n pairs (t, x), one for each switching in order of time, from
         where `word` begins, or `Word.cycle` does. Or one
         pair (t, x) on the belt on which the word begins; the guess is simulated from there. Or a
-        PeriodicOrbit of the same word.
+        PeriodicOrbit of the same word. Under another law than the paper's, also three numbers
+        (t, x, v), a state near the orbit, which may be unstable.
     digits : int, optional
         None: double precision. An int: that many correct digits (mpmath).
     periods : int, optional
         After how many forcing periods the orbit closes. Default: as the guess says.
+    t0, x0, v0 : number, optional
+        Where the motion starts that settles. Default: at 0; of a Scene whose law is not the
+        paper's, its own start. One attracting orbit is reached from all starts, if c > 0 and the law
+        `contracts`.
 
     Returns
     -------
@@ -129,19 +144,23 @@ def find_orbit(
     ParameterError
         If the guess has a wrong shape, its times do not increase, or k = 0.
     ConvergenceError
-        If no root was found; it carries the best points. Without a word: if the motion does not
-        settle to an orbit that meets a belt.
+        If no orbit was found; it carries the best points. Without a word: if the motion does not
+        settle to an orbit; where it is chaotic the reason has its exponent.
 
     Notes
     -----
-    With c > 0 an admissible orbit is the only periodic motion. It attracts every other motion and
-    has the period of the excitation. Other words, and more periods, only have roots that are not
-    orbits. There is no orbit where the mass may rest for ever on a belt with the speed 0: those
-    motions have no word (`symosc.orbits.floquet` has the proof). With c
-    = 0 there may be many orbits, and they may be marginal.
+    With c > 0 and under a law that `contracts`, an admissible orbit is the only periodic motion. It
+    attracts every other motion and has the period of the excitation. Other words, and more periods,
+    only have roots that are not orbits. There is no orbit where the mass may rest for ever on a belt
+    with the speed 0: those motions have no word (`symosc.orbits.floquet` has the proof). With c = 0
+    there may be many orbits, and they may be marginal.
+
+    With static friction, or friction that falls with speed, there may be several attracting orbits,
+    unstable ones between them, orbits of several periods, and chaos. Without a drive (B0 = 0)
+    motions settle to a limit cycle, whose period is found, or to a rest (`is_rest`).
 
     Every orbit that is called admissible was simulated over its period by the engine
-    (`symosc.orbits.admissibility`).
+    (`symosc.orbits.admissibility`, `symosc.orbits.shooting`).
 
     Examples
     --------
@@ -149,31 +168,128 @@ def find_orbit(
     >>> orbit = find_orbit(load_scene("fig9").parameters, "P32")
     >>> orbit.stable, f"{orbit.period:.6f}", [f"{t:.6f}" for t, x in orbit.points]
     (True, '1.570796', ['0.181670', '0.992371'])
+
+    A mass on a running belt sticks and slips. If s and f are static and kinetic friction, v the speed
+    of the belt, m = k = 1 and a = s - f, the period is 2 a/v + 2 pi - 2 atan(a/v).
+
+    >>> from symosc import Belt, Oscillator
+    >>> stick_slip = Oscillator(m=1, c=0, k=1, belts=[Belt("1/5", mu="1/2", mu_s=1)])
+    >>> cycle = find_orbit(stick_slip)
+    >>> cycle.word, f"{cycle.period:.9f}", cycle.stable
+    ('S1∘B1', '8.902605408', True)
     """
-    model = belts_of(parameters, "parameters")
-    belts = len(model.law.belts)
+    model = model_of(parameters, "parameters")
     require_or_none(WORD, word=word)
     require_or_none(PeriodicOrbit, *TABLE_LIKE, guess=guess)
+    require_or_none(NUMBER, t0=t0, x0=x0, v0=v0)
     if periods is not None:
         periods = whole_number("periods", periods, 1, MOST_PERIODS)
+    given = {"t0": t0, "x0": x0, "v0": v0}
+    start = {name: value for name, value in given.items() if value is not None}
+    if start and (word is not None or guess is not None):
+        name = next(iter(start))
+        allowed = f"must be omitted with a word or a guess: without them {name} starts the motion"
+        raise ParameterError(name, start[name], allowed)
+    if is_of_paper(model) and not (start or (word is None and guess is None and model.B0 == 0)):
+        return _orbit_of_paper(model, word, guess, digits, periods)
+    if model.k == 0:
+        raise ParameterError("k", 0, NEEDS_SPRING)
+    digits = read_digits(digits)
+    if word is not None or guess is not None:
+        return orbit_of_law(model, word, guess, digits, periods)
+    if periods is not None:
+        raise ParameterError("periods", periods, _requires_word("periods"))
+    if not isinstance(parameters, Scene | Model | OtherModel):
+        parameters = load_scene(parameters)
+    begin, x, v = [
+        getattr(parameters, name, 0) if value is None else read_exact(name, value)
+        for name, value in given.items()
+    ]
+    orbit = settled_orbit_of(model, begin, x, v, digits)
+    if is_of_paper(model) and orbit.labels and model.B0 != 0:
+        with suppress(ConvergenceError):
+            found = _orbit_of_paper(model, orbit.word, orbit.points, digits, orbit.periods)
+            if found.admissible:
+                return found
+    return orbit
+
+
+#: What is said of an oscillator without a spring.
+NEEDS_SPRING = "must be > 0: without a spring nothing fixes the position of an orbit"
+
+
+def is_of_paper(model: Model) -> bool:
+    """Return whether the law is that of the paper: at most two belts with Coulomb friction."""
+    return model.law.is_plain and not any(model.law.excess(n) for n in model.law.boundaries)
+
+
+def _requires_word(name: str) -> str:
+    """Return what is said of an argument that only counts with a word."""
+    return f"{name} requires a word: without one the orbit is that of the settled motion"
+
+
+def _orbit_of_paper(
+    model: Model, word: WordLike | None, guess: Any, digits: int | None, periods: int | None
+) -> PeriodicOrbit:
+    """Return the orbit that `find_orbit` is asked for, under the paper's law."""
+    belts = len(model.law.belts)
+    if belts > 1:
+        model = model.parameters
     if word is None:
         for name, value in (("guess", guess), ("periods", periods)):
             if value is not None:
-                allowed = (
-                    f"{name} requires a word: without one the orbit is that of the settled motion"
-                )
-                raise ParameterError(name, value, allowed)
+                raise ParameterError(name, value, _requires_word(name))
         if model.c == 0:
             raise ParameterError(
                 "word",
                 None,
-                "word is required without a damper: for c = 0 a motion need not settle",
+                "word is required without a damper: for c = 0 a motion need not settle; or give a "
+                "start, x0 and v0",
             )
         orbit = settled_orbit(model.parameters, digits, belts=belts)
     else:
         read = of_belts(read_word(word), belts)
         orbit = orbit_of_word(model.parameters, read, guess, digits, periods)
     return replace(orbit, parameters=model)
+
+
+def orbit_of_law(
+    model: Model, word: WordLike | None, guess: Any, digits: int | None, periods: int | None
+) -> PeriodicOrbit:
+    """Return an orbit under any law with a word, or near a guess."""
+    read = None if word is None else of_belts(read_word(word), len(model.law.belts))
+    if guess is None:
+        assert read is not None
+        return orbit_of_labels(model, read, periods, digits)
+    if isinstance(guess, PeriodicOrbit):
+        state = guess.start
+        if model.B0 != 0:
+            periods = periods or guess.periods
+    else:
+        state = _state_of_guess(model, read, guess)
+    orbit = orbit_near(model, *state, periods, digits)
+    if read is not None and orbit.labels != read.cycle.labels:
+        reason = f"the guess leads to the orbit {orbit.word or 'without a belt'}"
+        raise ConvergenceError(str(read.cycle), orbit.points, orbit.periods, inf, reason)
+    return orbit
+
+
+def _state_of_guess(model: Model, word: Word | None, guess: Any) -> tuple[Number, Number, Number]:
+    """Return a state (t, x, v) from a guess: three numbers, or switching points of a word."""
+    allowed = "must be a state (t, x, v) near the orbit"
+    if word is not None:
+        allowed += ", or pairs (t, x), the first where the word begins"
+    if isinstance(guess, Mapping):
+        guess = np.array([np.ravel(column) for column in guess.values()], dtype=object).T
+    values = np.atleast_2d(real_array("guess", guess, allowed))
+    if values.shape == (1, 3):
+        t, x, v = values[0].tolist()
+        return t, x, v
+    if word is None or values.ndim != 2 or values.shape[1] != 2 or not len(values):
+        shown = f"an array of shape {values.shape}" if values.size else guess
+        raise ParameterError("guess", shown, allowed)
+    t, x = values[0].tolist()
+    return t, x, model.belt(word.maps[0].start.boundary)
 
 
 def orbit_of_word(
@@ -190,9 +306,7 @@ def orbit_of_word(
         reason = f"has {len(cycle.labels)} mappings; find_orbit accepts at most {MOST_MAPPINGS}"
         raise WordError(f"{str(cycle)[:20]}...", reason)
     if parameters.k == 0:
-        raise ParameterError(
-            "k", 0, "must be > 0: without a spring nothing fixes the position of an orbit"
-        )
+        raise ParameterError("k", 0, NEEDS_SPRING)
     digits = read_digits(digits)
     equations = ClosingEquations(parameters, cycle, periods or 1)
     if guess is None:
@@ -490,7 +604,7 @@ def _message_of_orbit(
     """
     kind = {True: "a stable", False: "an unstable", None: "a marginal"}[stable]
     message = (
-        f"{kind} orbit of {counted_periods(periods)}, largest |multiplier| {_multiplier_text(gap)}"
+        f"{kind} orbit of {counted_periods(periods)}, largest |multiplier| {multiplier_text(gap)}"
     )
     if stable is None:
         message += " (no neighbour need come nearer)"
@@ -499,27 +613,6 @@ def _message_of_orbit(
     if repeated > 1:
         message += f"; it runs {repeated} times through a shorter orbit"
     return message
-
-
-def counted_periods(periods: int) -> str:
-    """Return text such as "2 forcing periods"."""
-    if periods == 1:
-        return "1 forcing period"
-    return f"{periods} forcing periods"
-
-
-def _multiplier_text(gap: float | None) -> str:
-    """Return the largest |multiplier|, 1 - gap, as text.
-
-    Near 1 it is "1 - 2e-9", so that it does not read as 1. None stands for exactly 1.
-    """
-    if gap is None:
-        return "1"
-    if abs(gap) > NEAR_ONE_TEXT:
-        return f"{1 - gap:.6g}"
-    if gap > 0:
-        return f"1 - {abs(gap):.3g}"
-    return f"1 + {abs(gap):.3g}"
 
 
 def _has_no_length(condition: Condition) -> bool:

@@ -36,6 +36,8 @@ SENSITIVITY_DIGITS = 50
 DOUBLE_MULTIPLIER = 1e-7
 # Periods of an orbit for which the approach of a motion is followed.
 APPROACH_PERIODS = 400.5
+# Multipliers that differ from 1 by less are written as 1 and the difference.
+NEAR_ONE_TEXT = 1e-5
 
 
 class SwitchingPoint(NamedTuple):
@@ -217,6 +219,27 @@ class PeriodicOrbit(Drawable):
         table = rf"\begin{{array}}{{lll}} \text{{from}} & t & x \\ {rows} \end{{array}}"
         return rf"${Word(self.labels).latex()},\quad {table},\quad \lambda = {multipliers}$"
 
+    @property
+    def is_rest(self) -> bool:
+        """Whether the mass rests: no orbit with a word does."""
+        return False
+
+    @property
+    def span_of_loop(self) -> float:
+        """The time of a loop in the phase plane: the period."""
+        return float(self.period)
+
+    @property
+    def start(self) -> tuple[Number, Number, Number]:
+        """A state (t, x, v) on the orbit: at its first switching point."""
+        t, x = self.points[0]
+        return t, x, self.parameters.belt(self.equations().pieces[0].start)
+
+    @property
+    def first_belt(self) -> int | None:
+        """The belt at which the points begin; None if no belt is met."""
+        return self.equations().pieces[0].start
+
     def equations(self) -> ClosingEquations:
         """Return the closing equations in double precision."""
         return ClosingEquations(self.parameters.parameters, Word(self.labels), self.periods)
@@ -389,6 +412,27 @@ class PeriodicOrbit(Drawable):
 
     def __repr__(self) -> str:
         return f"<PeriodicOrbit {self.word}: {self.message}>"
+
+
+def counted_periods(periods: int) -> str:
+    """Return text such as "2 forcing periods"."""
+    if periods == 1:
+        return "1 forcing period"
+    return f"{periods} forcing periods"
+
+
+def multiplier_text(gap: float | None) -> str:
+    """Return the largest |multiplier|, 1 - gap, as text.
+
+    Near 1 it is "1 - 2e-9", so that it does not read as 1. None stands for exactly 1.
+    """
+    if gap is None:
+        return "1"
+    if abs(gap) > NEAR_ONE_TEXT:
+        return f"{1 - gap:.6g}"
+    if gap > 0:
+        return f"1 - {abs(gap):.3g}"
+    return f"1 + {abs(gap):.3g}"
 
 
 def _neighbour(orbit: PeriodicOrbit, name: str, value: Fraction) -> list[Any]:

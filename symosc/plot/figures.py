@@ -249,7 +249,7 @@ def orbit_figure(
     return figure(
         motion,
         panels=panels,
-        boundary=orbit.equations().pieces[0].start,
+        boundary=orbit.first_belt,
         columns=columns,
         ax=ax,
         figsize=figsize,
@@ -261,10 +261,11 @@ def simulate_orbit(orbit: PeriodicOrbit, periods: float) -> Trajectory:
     """Return the motion on an orbit, simulated from its first switching point for `periods` of its
     periods.
     """
-    (t0, x0) = orbit.points[0]
-    belt = orbit.equations().pieces[0].start
-    t_end = float(t0) + periods * float(orbit.period)
-    return simulate(orbit.parameters, t0=t0, x0=x0, v0=orbit.parameters.belt(belt), t_end=t_end)
+    (t0, x0, v0) = orbit.start
+    if orbit.stable is False:  # rounding grows, so that later periods would leave it
+        periods = min(periods, 1)
+    t_end = float(t0) + periods * orbit.span_of_loop
+    return simulate(orbit.parameters, t0=t0, x0=x0, v0=v0, t_end=t_end)
 
 
 def default_end(scene: Scene) -> Any:

@@ -32,7 +32,7 @@ from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import START_NAMES, Scene
 from symosc.simulation.tables import EventTable, Summary, counted, select_rows, statuses
 from symosc.simulation.trajectory import Trajectory
-from symosc.words import collapsed
+from symosc.words import Word, collapsed
 
 END_NAMES = ("first end", "last end")
 HEADS = ("t", "x", "v", "kind", "belt", "from", "to", "t error")
@@ -248,9 +248,10 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
         [label, shown(float(t)), shown(float(x))]
         for label, (t, x) in zip(orbit.labels, orbit.points, strict=True)
     ]
-    begin = float(orbit.points[0].t)
-    x, v = orbit(np.linspace(begin, begin + float(orbit.period), MOST_POINTS))
-    speeds = [float(orbit.parameters.belt(piece.start)) for piece in orbit.equations().pieces]
+    begin = float(orbit.start[0])
+    x, v = orbit(np.linspace(begin, begin + orbit.span_of_loop, MOST_POINTS))
+    belts = [row.start.boundary for row in Word(orbit.labels).maps]
+    speeds = [float(orbit.parameters.belt(belt)) for belt in belts]
     dots = [(float(point.x), speed) for point, speed in zip(orbit.points, speeds, strict=True)]
     values = {
         "period": shown(float(orbit.period)),
@@ -262,7 +263,9 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
     }
     loop = curve("phase plane: v against x over one period", x, v, dots)
     points = table(("mapping from", "t", "x"), len(rows), rows.__getitem__)
-    return page("PeriodicOrbit", f"{orbit.word}: {orbit.message}", points, loop, facts(values))
+    return page(
+        "PeriodicOrbit", f"{orbit.word or 'no belt'}: {orbit.message}", points, loop, facts(values)
+    )
 
 
 def complex_text(value: complex) -> str:
