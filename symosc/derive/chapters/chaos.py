@@ -61,7 +61,7 @@ def items(scope: Scope) -> Items:
     """Yield the chapter: where there is no chaos, what remains, an example that becomes chaotic."""
     yield _none()
     yield _possible()
-    yield _doubling()
+    yield _period_one()
     yield _horseshoe()
     yield _in_a_band()
 
@@ -200,7 +200,7 @@ def _possible() -> Items:
     )
 
 
-# --- a period doubles ---
+# --- motions with the period of the drive ---
 
 
 class FixedSlip(NamedTuple):
@@ -234,7 +234,7 @@ def _settled(static: str) -> FixedSlip:
 
 
 @cache
-def _doubled() -> tuple[Any, FixedSlip]:
+def _at_limit() -> tuple[Any, FixedSlip]:
     """Return the static friction at which the multiplier is -1, and the slip, by secants."""
     limits = [CONTEXT.mpf("1.05"), CONTEXT.mpf("1.06")]
     misses = [_repeating(_belt(limit), "2.5").multiplier + 1 for limit in limits]
@@ -250,14 +250,14 @@ def _returned(belt: Any, phase: Any) -> Any:
     return next_by_series(belt, Slip(phase, -1)).phase - 2 * CONTEXT.pi
 
 
-def _doubling() -> Items:
+def _period_one() -> Items:
     """Return the items on the periodic motions of the example."""
     rows = []
     for static in SETTLED:
         belt = _exact_belt(static)
         fixed = _settled(static)
         rows.append(_row(f"${_shown(static)}$", belt, fixed))
-    limit, fixed = _doubled()
+    limit, fixed = _at_limit()
     return (
         r"\subsection{A driven mass that becomes chaotic}",
         r"Take the mass and the belt of Example~\ref{thm:return_maps-example}, $m = k = 1$, $c = "
@@ -272,14 +272,14 @@ def _doubling() -> Items:
             "multiplier",
         ),
         r"Table~\ref{tab:chaos-fixed} has three that attract. The multiplier is $-1$ at",
-        decimal("s", limit, DECIMALS, close(_doubled_by_series, DECIMALS)),
-        r"where the period doubles.",
+        decimal("s", limit, DECIMALS, close(_limit_by_series, DECIMALS), label="limit"),
+        r"beyond which this motion repels.",
         Table(
             "tab:chaos-fixed",
             r"Motions with the period of the drive: phase of the slip, multiplier, exponent per "
             r"slip.",
             ("$s$", r"$\theta^{*}$", r"$\rho$", r"$\ln|\rho|$"),
-            (*rows, _row("(doubling)", _belt(limit), fixed)),
+            (*rows, _row(r"\eqref{eq:chaos-limit}", _belt(limit), fixed)),
         ),
     )
 
@@ -330,9 +330,9 @@ def _multiplier_check() -> Check:
 
 
 @cache
-def _doubled_by_series() -> Any:
+def _limit_by_series() -> Any:
     """Return the static friction after one step of Newton's method with a multiplier from series."""
-    limit, fixed = _doubled()
+    limit, fixed = _at_limit()
     small = CONTEXT.mpf(10) ** -9
     beside = _repeating(_belt(limit + small), fixed.phase).multiplier
     slope = (beside - fixed.multiplier) / small

@@ -183,7 +183,9 @@ def _smooth() -> Items:
         r"velocities $\dot{x}$ below $V$ the friction on the mass is $f(V - \dot{x})$, and the "
         r"mass rests at $(A_0 + f(V))/k$. Relative to the rest, damper and belt take the force "
         r"$r(\dot{x}) = c\dot{x} - f(V - \dot{x}) + f(V)$,",
-        equation(loss, near, _taylor(taken, values), "loss", note="and terms of the order $v^4$."),
+        equation(
+            loss, near, _taylor(taken, values), "loss", note=r"and terms of the order $\dot{x}^4$."
+        ),
         r"\begin{theorem}[onset in a smooth law]\label{thm:equilibria-smooth} The rest is stable "
         r"for $c_V > 0$ and unstable for $c_V < 0$, where",
         equation(damping, c + slope, exact({damping: taken.diff(v).subs(v, 0).doit()} | values)),
