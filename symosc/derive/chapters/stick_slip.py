@@ -70,7 +70,7 @@ def _cycle() -> Items:
     flight = named("x(\\tau)")
     place = _flight_at()
     speed = place.diff(tau)
-    needed = named("-k x(\\tau_f)")
+    needed = named(r"F_{s\lambda}(\tau_f)")
     arriving = {needed: -SPRING * (KINETIC / SPRING - HALF), HOLDING: KINETIC + SPRING * HALF}
     end = named(r"\dot{x}(\tau_f)")
     there = named(r"x(\tau_f)")
