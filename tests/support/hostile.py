@@ -261,6 +261,7 @@ CALLED = {
     "high": ("Omega",),
     "low": ("Omega",),
     "m": ("v2",),
+    "mu": ("curve",),
     "Omega": ("v2",),
     "phase": ("angle",),
     "Y_phase": ("angle",),
@@ -337,6 +338,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "line": lambda: symosc.sweep(
         "fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"
     ),
+    "attractors": lambda: symosc.attractors(P9, {"x0": [0, 1], "v0": [0, 1]}, t_end="40T"),
     "scores": _scores,
     "drawing": lambda: plot.figure("fig6", panels="a"),
 }
@@ -443,6 +445,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "sweep": (s.sweep, swept),
         "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
         "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
+        "plot.attractors_figure": (plot.attractors_figure, {"found": made("attractors")}),
         "plot.sweep_figure": (
             plot.sweep_figure,
             grazes | {"name": "Omega", "low": "0.1", "high": 4},
