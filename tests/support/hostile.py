@@ -256,6 +256,7 @@ VALID: dict[str, set[str]] = {
 CALLED = {
     "data": ("file", "path", "t", "kind", "x", "v"),
     "end": ("x_j", "theta_j"),
+    "events": ("t of events",),
     "first": ("Omega",),
     "given": ("a",),
     "high": ("Omega",),
