@@ -73,7 +73,7 @@ CALLS: dict[str, Callable[[Any], Any]] = {
     "values_everything": lambda p: symosc.values_everything(p, "P2", "k"),
 }
 #: Public functions of which no argument is an oscillator.
-OTHERS = {"continue_border", "load_scene", "read_word", "scene_names", "theorem7"}
+OTHERS = {"continue_border", "law_error", "load_scene", "read_word", "scene_names", "theorem7"}
 FOLLOW_STATIC = {
     "attractors", "crosscheck", "find_orbit", "fit", "frequency_response", "plot.figure",
     "sensitivities", "simulate", "simulate_many", "sweep", "sweep_status",

@@ -187,7 +187,9 @@ VALID: dict[str, set[str]] = {
         NUMBER,
     ),
     **_each("Belt v, Belt mu, Belt mu_s, Belt.replace mu, Oscillator.replace mu_s1", NUMBER),
-    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s, until", NUMBER),
+    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s", NUMBER),
+    "until": NUMBER | PAIRS,
+    "doublings": {"3", "array_0_whole"},
     "Belt.from_function mu": {"lambda"},
     "pieces": {"3", "array_0_whole"},
     **_each("g, angle, atlas prove, atlas seconds, grazing_start periods", NUMBER),
@@ -459,6 +461,10 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Belt.from_function": (
             s.Belt.from_function,
             {"v": 1, "mu": lambda w: 1, "until": 2, "pieces": 3, "mu_s": 2},
+        ),
+        "law_error": (
+            s.law_error,
+            {"law": lambda n: n, "quantity": lambda n: 1 / n**2, "pieces": 3},
         ),
         "plot.friction_figure": (plot.friction_figure, {"p": P9, "v": (0, 6)}),
     }
