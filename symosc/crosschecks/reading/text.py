@@ -21,9 +21,9 @@ import numpy as np
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
 from symosc.base.exact import MOST_CHARACTERS, NOT_FINITE, NUMBER
-from symosc.crosschecks.reading.names import ID_COLUMN, KIND_COLUMN
+from symosc.crosschecks.reading.names import ID_COLUMN, KIND_COLUMN, USUAL_NAMES, plain
 from symosc.crosschecks.reading.tables import ADVICE_SAMPLES, ColumnTable
-from symosc.crosschecks.samples import read_cell
+from symosc.crosschecks.samples import check_kind, read_cell
 
 # "sep=" begins no comment, but a line by which a spreadsheet says which delimiter it uses.
 COMMENT_SIGNS = ("#", "%", "//", "!", "sep=")
@@ -108,9 +108,20 @@ def _columns(table: TextTable, places: Mapping[str, int]) -> Record:
                 what = f"{error.allowed} (line {number})"
                 raise ParameterError(f"{role}[{row}]", cells[place], what) from None
         for role, text in texts.items():
+            if role == KIND_COLUMN:
+                _check_kind(row, number, cells[places[role]])
             text.append(sys.intern(cells[places[role]]))  # one string for all rows of an id
     columns: Record = {role: np.array(column) for role, column in values.items()}
     return columns | {role: np.array(text) for role, text in texts.items()}
+
+
+def _check_kind(row: int, line: int, kind: str) -> None:
+    """Raise ParameterError, with the number of the line, unless a cell is a kind of event."""
+    try:
+        check_kind(row, kind)
+    except ParameterError as error:
+        what = f"{error.allowed} (line {line})"
+        raise ParameterError(error.name, error.value, what) from None
 
 
 def read_table(file: io.BufferedReader, where: str) -> TextTable:
@@ -167,16 +178,25 @@ def _form_of_rows(texts: Sequence[str]) -> Rows:
     # A file that is cut off may end anywhere.
     telling = telling[:-1] if len(telling) > 10 else telling
 
-    def score(delimiter: str | None) -> tuple[float, int]:
+    def rows_with(delimiter: str | None) -> list[list[str]]:
+        """Return the cells of the rows, if a delimiter separates them: of lines with numbers."""
         try:
             split = [_split_cells(text, delimiter) for text in telling]
         except csv.Error:  # quotes that this sign does not separate
-            return (0.0, 0)
-        # Lines without numbers are no rows.
-        cells = [cell for row in split if any(map(is_number, row)) for cell in row if cell]
-        numbers = sum(map(is_number, cells))
+            return []
         if delimiter == "," and any(map(_has_decimal_commas, telling)):
+            return []
+        return [row for row in split if any(map(is_number, row))]
+
+    rows = {delimiter: rows_with(delimiter) for delimiter in DELIMITERS}
+    most = max(map(len, rows.values()))
+
+    def score(delimiter: str | None) -> tuple[float, int]:
+        # A damaged line may be a number by a delimiter that makes no rows of the others.
+        if 2 * len(rows[delimiter]) <= most:
             return (0.0, 0)
+        cells = [cell for row in rows[delimiter] for cell in row if cell]
+        numbers = sum(map(is_number, cells))
         return (numbers / max(len(cells), 1), numbers)
 
     scores = {delimiter: score(delimiter) for delimiter in DELIMITERS}
@@ -222,8 +242,8 @@ def _begin_of_data(head: Sequence[TextLine], form: Rows) -> int:
 
     counts = [numbers_in(line) if form.numbers else 0 for line in head]
     data = [i for i, line in enumerate(head) if line.has_data]
-    if not form.numbers:  # a header alone
-        return len(head)
+    if not form.numbers:  # a header, and perhaps rows without a number below it
+        return next((i + 1 for i in data if _names_times(head[i].text, form)), len(head))
     begin = next((i for i in data if counts[i] == len(form.numbers)), len(head))
     while begin > 0 and counts[begin - 1] > 0 and head[begin - 1].has_data:
         begin -= 1
@@ -233,6 +253,12 @@ def _begin_of_data(head: Sequence[TextLine], form: Rows) -> int:
     if begin in data and not has_names and _counts_columns(head[begin:], form):
         return begin + 1
     return begin
+
+
+def _names_times(text: str, form: Rows) -> bool:
+    """Return whether a line names a column of times, and another one."""
+    names = _without_ends(_split_cells(text, form.delimiter))
+    return len(names) > 1 and any(plain(name) in USUAL_NAMES["t"] for name in names)
 
 
 def _counts_columns(head: Sequence[TextLine], form: Rows) -> bool:
@@ -271,7 +297,8 @@ def _rows(lines: Iterator[TextLine], form: Rows, where: str) -> Iterator[tuple[i
             cells = _split_cells(text, form.delimiter)
             if len(cells) != width:
                 if len(cells) < width or any(cells[width:]):
-                    what = f"row {number} has {len(cells)} entries, and the others have {width}"
+                    count = "1 entry" if len(cells) == 1 else f"{len(cells)} entries"
+                    what = f"row {number} has {count}, and the others have {width}"
                     raise ParameterError("file", where, what)
                 del cells[width:]
             yield number, cells
