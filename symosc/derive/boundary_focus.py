@@ -6,7 +6,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from symosc.derive.steps import CONTEXT
-from symosc.derive.taylor import Instant, LinearEquation, first_pass
+from symosc.derive.taylor import LinearEquation, TimedState, first_pass
 
 #: Dampings below and above the corner, with m = k = 1 and the corner at the velocity 1.
 FOCUS = (CONTEXT.mpf(1) / 10, -CONTEXT.mpf(3) / 10)
@@ -58,8 +58,8 @@ def focus_by_closed_forms() -> FocusCycle:
 def _turn(rate: Any) -> tuple[Any, Any, Any]:
     """Return the times above and below the corner, and the rate after one turn, by Taylor series."""
     lower, upper = (LinearEquation(damping, 1) for damping in FOCUS)
-    above = first_pass(upper, Instant(0, CONTEXT.mpf(1), rate), lambda speed, rate: speed < 1)
-    begin = Instant(0, CONTEXT.mpf(1), above.rate)
+    above = first_pass(upper, TimedState(0, CONTEXT.mpf(1), rate), lambda speed, rate: speed < 1)
+    begin = TimedState(0, CONTEXT.mpf(1), above.rate)
     below = first_pass(lower, begin, lambda speed, rate: speed > 1)
     return above.time, below.time, below.rate
 
@@ -75,7 +75,7 @@ def focus_by_series() -> FocusCycle:
         misses = [misses[1], _turn(rates[1])[2] - rates[1]]
     start = rates[1]
     above, below, _ = _turn(start)
-    begin = Instant(0, CONTEXT.mpf(1), start)
+    begin = TimedState(0, CONTEXT.mpf(1), start)
     top = first_pass(LinearEquation(FOCUS[1], 1), begin, lambda speed, rate: rate < 0).value
     small = CONTEXT.mpf(10) ** -15
     factor = (_turn(start + small)[2] - _turn(start - small)[2]) / (2 * small)

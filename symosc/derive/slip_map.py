@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 from symosc.derive.steps import CONTEXT, number
-from symosc.derive.taylor import Instant, LinearEquation, bisected, first_pass
+from symosc.derive.taylor import LinearEquation, TimedState, bisected, first_pass
 
 #: How far the search for a slip or a return looks at once, in doubles, and its halvings.
 STRIDE = 1 / 64
@@ -229,7 +229,7 @@ def next_by_series(belt: DrivenBelt, slip: Slip) -> Slip:
     equation = LinearEquation(
         belt.damping, 1, -slip.side * belt.kinetic, belt.drive, belt.frequency
     )
-    begin = Instant(0, place_of(belt, slip), belt.speed, slip.phase)
+    begin = TimedState(0, place_of(belt, slip), belt.speed, slip.phase)
     landed = first_pass(
         equation, begin, lambda _, velocity: -slip.side * (velocity - belt.speed) > 0
     )

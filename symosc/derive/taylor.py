@@ -25,7 +25,7 @@ class LinearEquation(NamedTuple):
     frequency: Any = 0
 
 
-class Instant(NamedTuple):
+class TimedState(NamedTuple):
     """A time with the value of y, its rate, and the phase of the drive."""
 
     time: Any
@@ -49,7 +49,7 @@ def bisected(
     return before
 
 
-def series(equation: LinearEquation, begin: Instant) -> list[Any]:
+def series(equation: LinearEquation, begin: TimedState) -> list[Any]:
     """Return the Taylor coefficients of y, by the differential equation."""
     cosine = CONTEXT.cos(begin.phase)
     sine = CONTEXT.sin(begin.phase)
@@ -77,8 +77,8 @@ def summed(terms: list[Any], time: Any) -> tuple[Any, Any]:
 
 
 def first_pass(
-    equation: LinearEquation, begin: Instant, has_passed: Callable[[Any, Any], bool]
-) -> Instant:
+    equation: LinearEquation, begin: TimedState, has_passed: Callable[[Any, Any], bool]
+) -> TimedState:
     """Return the instant at which a condition on value and rate becomes true.
 
     It is looked at after each step, so it has to stay true for longer than that.
@@ -94,7 +94,7 @@ def first_pass(
     return _later(equation, here, inside, summed(terms, inside))
 
 
-def after(equation: LinearEquation, begin: Instant, duration: Any) -> Instant:
+def after(equation: LinearEquation, begin: TimedState, duration: Any) -> TimedState:
     """Return the instant after a duration, of either sign."""
     steps = int(abs(duration) / STRIDE) + 1
     stride = duration / steps
@@ -104,6 +104,8 @@ def after(equation: LinearEquation, begin: Instant, duration: Any) -> Instant:
     return here
 
 
-def _later(equation: LinearEquation, here: Instant, span: Any, state: tuple[Any, Any]) -> Instant:
+def _later(
+    equation: LinearEquation, here: TimedState, span: Any, state: tuple[Any, Any]
+) -> TimedState:
     value, rate = state
-    return Instant(here.time + span, value, rate, here.phase + equation.frequency * span)
+    return TimedState(here.time + span, value, rate, here.phase + equation.frequency * span)

@@ -36,7 +36,7 @@ from symosc.derive.steps import (
     solves,
     step,
 )
-from symosc.derive.taylor import Instant, LinearEquation, after, bisected, first_pass
+from symosc.derive.taylor import LinearEquation, TimedState, after, bisected, first_pass
 from symosc.symbolic import solution
 from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, c, k, m, tau, v, x
@@ -311,7 +311,7 @@ def _onset_by_bisection(values: dict[Any, Any]) -> Any:
 def _turn_frequency() -> Any:
     """Return the frequency at which the Taylor series of x'' = -(k/m) x comes back after a turn."""
     square = CONTEXT.mpf(6957) / CONTEXT.mpf("0.538")
-    begin = Instant(0, CONTEXT.mpf(0), CONTEXT.mpf(1))
+    begin = TimedState(0, CONTEXT.mpf(0), CONTEXT.mpf(1))
     # A quarter of a turn after the start the rate vanishes; time in units of 1/100.
     unit = LinearEquation(0, square / 10000)
     quarter = bisected(lambda time: after(unit, begin, time).rate > 0, 1, 2)
@@ -518,7 +518,7 @@ def _limit_by_series() -> Any:
     """Return the same by Taylor series of both halves of a turn."""
     lower, upper = (LinearEquation(damping, 1) for damping in FOCUS)
     highest = first_pass(
-        upper, Instant(0, -CONTEXT.mpf(1), CONTEXT.mpf(0)), lambda y, rate: rate < 0
+        upper, TimedState(0, -CONTEXT.mpf(1), CONTEXT.mpf(0)), lambda y, rate: rate < 0
     )
-    begin = Instant(0, highest.value, CONTEXT.mpf(0))
+    begin = TimedState(0, highest.value, CONTEXT.mpf(0))
     return -first_pass(lower, begin, lambda y, rate: rate > 0).value

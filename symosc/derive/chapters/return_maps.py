@@ -29,7 +29,7 @@ from symosc.derive.steps import (
     facts,
     step,
 )
-from symosc.derive.taylor import Instant, LinearEquation, first_pass
+from symosc.derive.taylor import LinearEquation, TimedState, first_pass
 from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, E0, E1, E2, Omega, k, m, t, theta, x
 
@@ -358,12 +358,12 @@ def _turns_by_series() -> Turns:
     backward = LinearEquation(-_DAMPING, 1, _KINETIC)
 
     def lowest(place: Any) -> Any:
-        top = first_pass(forward, Instant(0, place, _SPEED), lambda _, rate: rate < 0)
+        top = first_pass(forward, TimedState(0, place, _SPEED), lambda _, rate: rate < 0)
         return first_pass(forward, top, lambda _, rate: rate > 0).value
 
     touch = _KINETIC - _DAMPING * _SPEED
     # backward in time the velocity has the other sign
-    start = first_pass(backward, Instant(0, touch, -_SPEED), lambda _, rate: rate > 0)
+    start = first_pass(backward, TimedState(0, touch, -_SPEED), lambda _, rate: rate > 0)
     return Turns(start.value, lowest(_HOLDING - _DAMPING * _SPEED), lowest(touch))
 
 

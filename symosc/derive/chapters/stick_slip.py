@@ -28,7 +28,7 @@ from symosc.derive.steps import (
     solves,
     step,
 )
-from symosc.derive.taylor import Instant, LinearEquation, bisected, first_pass
+from symosc.derive.taylor import LinearEquation, TimedState, bisected, first_pass
 from symosc.symbolic import solution
 from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, E0, E1, E2, c, m, t, tau, v, x
@@ -520,13 +520,13 @@ def _followed(machine: Machine) -> Turn:
     """Return a turn of the cycle by Taylor series of the equation of motion."""
     below = LinearEquation(machine.damping, machine.stiffness, machine.kinetic)
     start = (machine.holding - machine.damping * machine.speed) / CONTEXT.mpf(machine.stiffness)
-    begin = Instant(0, start, machine.speed)
+    begin = TimedState(0, start, machine.speed)
     top = first_pass(below, begin, lambda place, rate: rate < 0)
     landing = first_pass(below, begin, lambda place, rate: rate > machine.speed)
     return Turn(landing.time, (start - landing.value) / machine.speed, top.value)
 
 
-class Touch(NamedTuple):
+class TouchingFlight(NamedTuple):
     """The flight that touches the belt: its duration, E_0 at its end, the speed of the belt."""
 
     time: Any
@@ -545,7 +545,7 @@ def _basis(machine: Machine, time: Any) -> tuple[Any, Any, Any]:
 
 
 @cache
-def touch_by_newton(machine: Machine) -> Touch:
+def touch_by_newton(machine: Machine) -> TouchingFlight:
     """Return the touch from E0 = exp(-c tau/m), by Newton's method."""
     time = CONTEXT.mpf("5.5")
     for _ in range(9):
@@ -555,16 +555,16 @@ def touch_by_newton(machine: Machine) -> Touch:
         time -= (slope - fallen) / (bend + machine.damping * fallen)
     slope, wave, area = _basis(machine, time)
     excess = machine.holding - machine.kinetic
-    return Touch(time, slope, -excess * wave / (machine.stiffness * area))
+    return TouchingFlight(time, slope, -excess * wave / (machine.stiffness * area))
 
 
 @cache
-def _touch_by_series() -> Touch:
+def _touch_by_series() -> TouchingFlight:
     """Return the touch by Taylor series, backward in time from the touch to the slip."""
     # The velocity in units of V: 1 with the rate 0 at the touch. Backward the damping is negative.
     backward = LinearEquation(-DAMPED.damping, DAMPED.stiffness)
-    slip = first_pass(backward, Instant(0, CONTEXT.mpf(1), CONTEXT.mpf(0)), lambda u, _: u > 1)
-    return Touch(slip.time, None, (DAMPED.holding - DAMPED.kinetic) / slip.rate)
+    slip = first_pass(backward, TimedState(0, CONTEXT.mpf(1), CONTEXT.mpf(0)), lambda u, _: u > 1)
+    return TouchingFlight(slip.time, None, (DAMPED.holding - DAMPED.kinetic) / slip.rate)
 
 
 def flight_by_formula(machine: Machine) -> Turn:
