@@ -59,6 +59,7 @@ CALLS: dict[str, Callable[[Any], Any]] = {
     "parameter_jacobian": lambda p: symosc.parameter_jacobian(p, "P2", **ENDS).tolist(),
     "plot.figure": lambda p: plot.figure(scene(p)),
     "residual": lambda p: list(symosc.residual(p, "P2", **ENDS)),
+    "return_map": lambda p: str(symosc.return_map(p, points=8).after),
     "sensitivities": lambda p: symosc.sensitivities(p, "k", t_end=5).dt.tolist(),
     "simulate": lambda p: symosc.simulate(p, t_end=5).table(),
     "simulate with digits": lambda p: symosc.simulate(p, t_end=5, digits=20).table(),
@@ -75,8 +76,8 @@ CALLS: dict[str, Callable[[Any], Any]] = {
 #: Public functions of which no argument is an oscillator.
 OTHERS = {"continue_border", "load_scene", "read_word", "scene_names", "theorem7"}
 FOLLOW_STATIC = {
-    "attractors", "crosscheck", "find_orbit", "fit", "plot.figure", "sensitivities", "simulate",
-    "simulate_many", "sweep", "sweep_status",
+    "attractors", "crosscheck", "find_orbit", "fit", "plot.figure", "return_map",
+    "sensitivities", "simulate", "simulate_many", "sweep", "sweep_status",
 }  # fmt: skip
 #: Calls that take long, and differ only in the numbers of the parameters that they are given.
 LONG = {"atlas", "continue_orbit", "check_grazing", "fit", "grazing_windows"}
