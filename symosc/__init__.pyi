@@ -14,6 +14,8 @@ from .base.errors import SweepError as SweepError
 from .base.errors import SymoscError as SymoscError
 from .basins.attractors import Attractors as Attractors
 from .basins.attractors import attractors as attractors
+from .basins.bifurcation import Bifurcation as Bifurcation
+from .basins.bifurcation import bifurcation as bifurcation
 from .basins.kinds import Chaotic as Chaotic
 from .basins.kinds import ObservedCycle as ObservedCycle
 from .basins.kinds import Rest as Rest

@@ -39,6 +39,7 @@ def summary_table(p: Any) -> Any:
 CALLS: dict[str, Callable[[Any], Any]] = {
     "atlas": lambda p: symosc.atlas(p, {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1),
     "attractors": lambda p: repr(symosc.attractors(p, [(0, 0, 0), (0, 1, 0)])),
+    "bifurcation": lambda p: repr(symosc.bifurcation(p, {"k": [1, 2]}, sections=2, skip=2)),
     "certify": lambda p: symosc.certify(p, t_end=1),
     "certify a scene": lambda p: symosc.certify(scene(p), t_end=1),
     "check_grazing": lambda p: symosc.check_grazing(p, "P2", n=5),
@@ -76,7 +77,7 @@ CALLS: dict[str, Callable[[Any], Any]] = {
 #: Public functions of which no argument is an oscillator.
 OTHERS = {"continue_border", "load_scene", "read_word", "scene_names", "theorem7"}
 FOLLOW_STATIC = {
-    "attractors", "crosscheck", "find_orbit", "fit", "plot.figure", "return_map",
+    "attractors", "bifurcation", "crosscheck", "find_orbit", "fit", "plot.figure", "return_map",
     "sensitivities", "simulate", "simulate_many", "sweep", "sweep_status",
 }  # fmt: skip
 #: Calls that take long, and differ only in the numbers of the parameters that they are given.
