@@ -183,7 +183,7 @@ VALID: dict[str, set[str]] = {
         NUMBER,
     ),
     **_each(
-        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase",
+        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, pull, Y, Y_phase, W, W_phase",
         NUMBER,
     ),
     **_each("Belt v, Belt mu, Belt mu_s, Belt.replace mu, Oscillator.replace mu_s1", NUMBER),
@@ -256,7 +256,10 @@ VALID: dict[str, set[str]] = {
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
-    "data": ("file", "path", "t", "kind", "x", "v"),
+    "data": ("file", "path", "t", "kind", "x", "v", "column", "function", "solution"),
+    "curve": ("mu",),
+    "law": ("quantity",),
+    "quantity": ("law",),
     "end": ("x_j", "theta_j"),
     "events": ("t of events",),
     "first": ("Omega",),
@@ -264,7 +267,7 @@ CALLED = {
     "high": ("Omega",),
     "low": ("Omega",),
     "m": ("v2",),
-    "mu": ("curve",),
+    "mu": ("curve", "mu_s"),
     "Omega": ("v2",),
     "phase": ("angle",),
     "Y_phase": ("angle",),
@@ -276,6 +279,7 @@ CALLED = {
     "start": ("x_i", "theta_i"),
     "t_end": ("skip",),
     "t": (
+        "DataArray",
         "MaskedConstant",
         "column",
         "file",
