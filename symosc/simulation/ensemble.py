@@ -296,6 +296,7 @@ class Chunk:
         if isinf(task.accuracy):  # decisions exceed their own rounding only, as in `in_doubles`
             self.table["sigmas"] = 0.0
         self._starts = self.batch.states.copy()
+        self._bands = self.batch.sets.copy()
         self._planes = planes_of(self._starts, self.table[self.batch.sets])
         self._keep = keep
         self._needed = attainable(task.accuracy, task.problems.start_error)
@@ -352,9 +353,10 @@ class Chunk:
     def _reset_undecided(self) -> list[int]:
         """Return the numbers of the motions that ended undecided.
 
-        Reset their running summaries to the start.
+        Reset their bands and their running summaries to the start.
         """
         members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
+        self.batch.sets[members] = self._bands[members]
         if self._keep and members:
             numbers = self._first + np.array(members)
             again = self._keep(numbers, self._starts[members], self._planes[members])
@@ -382,10 +384,12 @@ class Chunk:
         events_by_motion: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         sure = self.task.problems.surely_fit_pairs(numbers, self._starts["at"][members], FAR_OFF)
-        groups: dict[int, list[int]] = {}  # motions by parameter set
+        # motions by parameter set: by the first row of its constants
+        groups: dict[int, list[int]] = {}
         for i, surely_fits in zip(members, sure.tolist(), strict=True):
             if surely_fits or fits_pairs(self.problem(i)):
-                groups.setdefault(int(self.batch.sets[i]), []).append(i)
+                band = int(self.batch.sets[i])
+                groups.setdefault(band - int(self.table["row"][band]), []).append(i)
         for group in groups.values():
             parameters = self.task.problems.sets[self._first + group[0]]
             events = joined(self._escalate(parameters, group))
@@ -407,7 +411,7 @@ class Chunk:
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16
         # digits of it only.
         most = self.task.most
-        K = pair_constants(parameters)
+        table = pair_constants(parameters)
         pairs = self._pair_rows(parameters, members)
         tally = select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
@@ -438,7 +442,7 @@ class Chunk:
                 batch,
                 buffer,
                 engine_batch.NO_PIECES,
-                K,
+                table,
                 tally,
                 limits,
             )
@@ -471,16 +475,19 @@ class Chunk:
         """
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
-        arithmetic = many_digits(parameters, ROUNDED_FROM)
+        arithmetic = partial(many_digits, parameters, ROUNDED_FROM)
+        phase = arithmetic(0).phase
         pairs = self.task.problems.pair_rows(
-            numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0])
+            numbers, starts, lambda t: pairs_as_complex(phase(t)[0])
         )
-        CHOICE.of_pairs(len(pairs)).first_pairs(pairs, pair_constants(parameters))
+        bands = self.table["row"][self._bands[members]].astype(np.int64)
+        CHOICE.of_pairs(len(pairs)).first_pairs(pairs, bands, pair_constants(parameters))
         least = np.minimum(abs(starts["Fb"]), abs(starts["Fa"]))
         largest = np.maximum(abs(starts["Fb"]), abs(starts["Fa"]))
         unclear = (starts["at"] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
-            pairs[i] = pairs_as_complex(first_row(self.problem(members[i]), arithmetic))
+            _, row = first_row(self.problem(members[i]), arithmetic)
+            pairs[i] = pairs_as_complex(row)
         return pairs
 
     def _statuses(self) -> list[str]:

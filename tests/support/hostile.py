@@ -183,7 +183,7 @@ VALID: dict[str, set[str]] = {
         NUMBER,
     ),
     **_each(
-        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase",
+        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, pull, Y, Y_phase, W, W_phase",
         NUMBER,
     ),
     **_each("Belt v, Belt mu, Belt mu_s, Belt.replace mu, Oscillator.replace mu_s1", NUMBER),
@@ -232,7 +232,9 @@ VALID: dict[str, set[str]] = {
     **_each(
         "p, parameters, sweep scene, sweep_status scene, crosscheck scene, simulate scene", BOTH
     ),
-    **_each("atlas what, frequency_response what, fit what, sensitivities what", BOTH),
+    **_each(
+        "atlas what, attractors what, frequency_response what, fit what, sensitivities what", BOTH
+    ),
     **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
     "certify what": BOTH | {"Atlas"},
     **_each("first, second, figsize", PAIRS),
@@ -254,13 +256,18 @@ VALID: dict[str, set[str]] = {
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
-    "data": ("file", "path", "t", "kind", "x", "v"),
+    "data": ("file", "path", "t", "kind", "x", "v", "column", "function", "solution"),
+    "curve": ("mu",),
+    "law": ("quantity",),
+    "quantity": ("law",),
     "end": ("x_j", "theta_j"),
+    "events": ("t of events",),
     "first": ("Omega",),
     "given": ("a",),
     "high": ("Omega",),
     "low": ("Omega",),
     "m": ("v2",),
+    "mu": ("curve", "mu_s"),
     "Omega": ("v2",),
     "phase": ("angle",),
     "Y_phase": ("angle",),
@@ -272,6 +279,7 @@ CALLED = {
     "start": ("x_i", "theta_i"),
     "t_end": ("skip",),
     "t": (
+        "DataArray",
         "MaskedConstant",
         "column",
         "file",
@@ -337,6 +345,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "line": lambda: symosc.sweep(
         "fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"
     ),
+    "attractors": lambda: symosc.attractors(P9, {"x0": [0, 1], "v0": [0, 1]}, t_end="40T"),
     "scores": _scores,
     "drawing": lambda: plot.figure("fig6", panels="a"),
 }
@@ -382,6 +391,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "simulate": (s.simulate, {"scene": P5, **start, "max_events": 3}),
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
         "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
+        "attractors": (s.attractors, {"what": P9, "starts": [(0, 0, 0)], "t_end": "40T"}),
         "frequency_response": (s.frequency_response, {"what": "fig9", "over": {"Omega": [4]}}),
         "fit": (
             s.fit,
@@ -442,6 +452,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "sweep": (s.sweep, swept),
         "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
         "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
+        "plot.attractors_figure": (plot.attractors_figure, {"found": made("attractors")}),
         "plot.sweep_figure": (
             plot.sweep_figure,
             grazes | {"name": "Omega", "low": "0.1", "high": 4},

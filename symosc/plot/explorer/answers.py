@@ -349,11 +349,11 @@ def settled(link: str, default: Scene) -> Record:
             orbit = find_orbit(scene.parameters)
             view = view_of(simulate_orbit(orbit, 1), None, SAMPLING)
             curve = {"x": _rounded(view.x), "v": _rounded(view.v)}
-            sizes = ", ".join(f"{abs(multiplier):.4g}" for multiplier in orbit.multipliers)
-            text = (
-                f"{orbit.word}, period {float(orbit.period):.6g} s, |multipliers| {sizes}: "
-                f"{orbit.message}"
-            )
+            text = orbit.message
+            if not orbit.is_rest:
+                sizes = ", ".join(f"{abs(multiplier):.4g}" for multiplier in orbit.multipliers)
+                period = f"period {float(orbit.period):.6g} s"
+                text = f"{orbit.word}, {period}, |multipliers| {sizes}: {text}"
     except (SymoscError, ArithmeticError) as error:
         text = str(error)
     return {"text": text, "curve": curve}
