@@ -12,6 +12,11 @@ from .base.errors import ResultError as ResultError
 from .base.errors import SceneError as SceneError
 from .base.errors import SweepError as SweepError
 from .base.errors import SymoscError as SymoscError
+from .basins.attractors import Attractors as Attractors
+from .basins.attractors import attractors as attractors
+from .basins.kinds import Chaotic as Chaotic
+from .basins.kinds import ObservedCycle as ObservedCycle
+from .basins.kinds import Rest as Rest
 from .belts import Belt as Belt
 from .certificates.atlas import Atlas as Atlas
 from .certificates.atlas import atlas as atlas

@@ -38,6 +38,7 @@ def summary_table(p: Any) -> Any:
 #: A call of each public function that takes an oscillator, and of the plots that simulate one.
 CALLS: dict[str, Callable[[Any], Any]] = {
     "atlas": lambda p: symosc.atlas(p, {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1),
+    "attractors": lambda p: repr(symosc.attractors(p, [(0, 0, 0), (0, 1, 0)])),
     "certify": lambda p: symosc.certify(p, t_end=1),
     "certify a scene": lambda p: symosc.certify(scene(p), t_end=1),
     "check_grazing": lambda p: symosc.check_grazing(p, "P2", n=5),
@@ -74,8 +75,8 @@ CALLS: dict[str, Callable[[Any], Any]] = {
 #: Public functions of which no argument is an oscillator.
 OTHERS = {"continue_border", "load_scene", "read_word", "scene_names", "theorem7"}
 FOLLOW_STATIC = {
-    "crosscheck", "find_orbit", "fit", "plot.figure", "sensitivities", "simulate", "simulate_many",
-    "sweep", "sweep_status",
+    "attractors", "crosscheck", "find_orbit", "fit", "plot.figure", "sensitivities", "simulate",
+    "simulate_many", "sweep", "sweep_status",
 }  # fmt: skip
 #: Calls that take long, and differ only in the numbers of the parameters that they are given.
 LONG = {"atlas", "continue_orbit", "check_grazing", "fit", "grazing_windows"}

@@ -21,7 +21,7 @@ LAYERS: tuple[tuple[str, ...], ...] = (
     ("derivatives",),
     ("symbolic",),
     ("orbits", "crosschecks", "sweeps"),
-    ("grazing",),
+    ("grazing", "basins"),
     ("analysis",),
     ("certificates", "jax"),
     ("reference",),

@@ -472,8 +472,8 @@ def _map(dataset: xarray.Dataset, column: Any, ax: Axes | None, figsize: FigureS
     column = column.sortby(over).transpose(*over)
     unknown = read_column(dataset, "status").sortby(over).transpose(*over).values == "undecidable"
     values = column.values
-    x_edges = _cell_edges(column[first].values)
-    y_edges = _cell_edges(column[second].values)
+    x_edges = cell_edges(column[first].values)
+    y_edges = cell_edges(column[second].values)
     edges = x_edges, y_edges
     are_words = values.dtype.kind in "UO"
     are_whole = values.dtype.kind in "iu"
@@ -659,7 +659,7 @@ def _draw_shades(
         axes.clabel(lines, fontsize=7, inline_spacing=2)
 
 
-def _cell_edges(values: np.ndarray) -> np.ndarray:
+def cell_edges(values: np.ndarray) -> np.ndarray:
     """Return the edges of cells around increasing values: the middles between them, and one edge at
     each end.
     """

@@ -230,7 +230,9 @@ VALID: dict[str, set[str]] = {
     **_each(
         "p, parameters, sweep scene, sweep_status scene, crosscheck scene, simulate scene", BOTH
     ),
-    **_each("atlas what, frequency_response what, fit what, sensitivities what", BOTH),
+    **_each(
+        "atlas what, attractors what, frequency_response what, fit what, sensitivities what", BOTH
+    ),
     **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
     "certify what": BOTH | {"Atlas"},
     **_each("first, second, figsize", PAIRS),
@@ -380,6 +382,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "simulate": (s.simulate, {"scene": P5, **start, "max_events": 3}),
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
         "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
+        "attractors": (s.attractors, {"what": P9, "starts": [(0, 0, 0)], "t_end": "40T"}),
         "frequency_response": (s.frequency_response, {"what": "fig9", "over": {"Omega": [4]}}),
         "fit": (
             s.fit,
