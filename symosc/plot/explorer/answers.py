@@ -232,7 +232,7 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     try:
         scene = Scene(
             name,
-            _with_static_friction(parameters, numbers),
+            _with_static_friction(parameters, numbers),  # type: ignore[arg-type]
             **start,
             start_error=read_start_error(known.split(",")) if known else None,
         )
