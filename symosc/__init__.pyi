@@ -2,6 +2,8 @@
 from . import plot as plot
 from .analysis.fitting.fit import Fit as Fit
 from .analysis.fitting.fit import fit as fit
+from .analysis.law_error import LawError as LawError
+from .analysis.law_error import law_error as law_error
 from .analysis.response import FrequencyResponse as FrequencyResponse
 from .analysis.response import frequency_response as frequency_response
 from .base.display.drawable import Listing as Listing

@@ -26,6 +26,7 @@ from matplotlib.ticker import MaxNLocator
 from symosc.base.aliases import Record
 from symosc.base.arguments import DATASET, TEXT, one_of, public, require, require_or_none
 from symosc.base.errors import ParameterError
+from symosc.base.quantities import quantity_of
 from symosc.engine.events import KIND_NAMES
 from symosc.plot.drawing import (
     PARAMETER_LABELS,
@@ -359,6 +360,11 @@ RESPONSE_STYLES: dict[str, Record] = {
     "friction": {"color": "#cc79a7", "ls": (0, (1, 1)), "label": "in friction"},
     "balance_error": {"color": BALANCE_COLOR},
 }
+#: What the lines of a response look like that was followed up and down.
+RESPONSE_WAYS: dict[str, Record] = {
+    "up": {"color": "black", "ls": "-", "marker": "^", "mfc": "black"},
+    "down": {"color": "0.55", "ls": (0, (4, 2)), "marker": "v", "mfc": "white"},
+}
 #: The columns of each panel of a frequency response, the label of its axis, and the height of a
 #: thin line across.
 RESPONSE_PANELS: dict[str, tuple[tuple[str, ...], str, float | None]] = {
@@ -395,7 +401,8 @@ def response_figure(
     panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a amplitude, with that of harmonic balance, b
         transmissibility, c phase, d energies per cycle, e share of the time stuck, f error of
-        harmonic balance. Default: all, with `ax` a.
+        harmonic balance. Default: all, with `ax` a. Where the motion was followed up and down,
+        there is a line for each way, of the first of these alone, and no panel f.
 
     Examples
     --------
@@ -407,13 +414,17 @@ def response_figure(
     from symosc.analysis.response import FrequencyResponse
 
     require(FrequencyResponse, found=found)
-    order = np.argsort(found.values)
+    # The words are those of the way that was followed first.
+    first = np.flatnonzero(found.direction == found.direction[0])
+    order = first[np.argsort(found.values[first])]
     # A motion without a word has a blank: a name that takes room and shows nothing.
     words = np.where(
         found.status == "rest", "rest", [cycle(str(word)) or " " for word in found.word]
     )[order]
     layout: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
     draw = {letter: partial(_response_panel, letter=letter) for letter in RESPONSE_PANELS}
+    if found.direction[0] and np.isnan(found.balance_error).all():
+        del draw["f"]
     with panels_for(found, draw, panels, ax, (3.5, 2.1), figsize=figsize, **layout) as (
         drawing,
         row,
@@ -422,7 +433,7 @@ def response_figure(
             axes.set_xlim(found.values.min(), found.values.max())
             _mark_changes(axes, found.values[order], words, named=axes is row[0])
         for axes in row[-2:]:  # the lowest of each of the two columns
-            axes.set_xlabel(PARAMETER_LABELS[found.name])
+            axes.set_xlabel(f"${quantity_of(found.name).letter}$")
         add_legend(drawing, ax, row, 5)
     return drawing
 
@@ -431,18 +442,20 @@ def _response_panel(axes: Axes, response: FrequencyResponse, letter: str) -> Non
     """Draw a panel of a frequency response, with gaps where a column is infinite."""
     names, text, level = RESPONSE_PANELS[letter]
     drawn = list[np.ndarray]()
-    order = np.argsort(response.values)
     shift = {"phase": 2 * pi * (response.phase < -pi / 2)}  # phases from -pi/2 to 3 pi/2
-    for name in names:
-        column = getattr(response, name)[order] + shift.get(name, np.zeros(len(order)))[order]
-        column = np.where(np.isfinite(column), column, np.nan)
-        if name == "balance_error":  # in percent
-            column = column * 100
-        style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
-        if len(column) <= FEW_POINTS:
-            style |= {"marker": "o", "ms": 3}
-        axes.plot(response.values[order], column, **style)
-        drawn.append(column[np.isfinite(column)])
+    for way in dict.fromkeys(response.direction.tolist()):
+        rows = np.flatnonzero(response.direction == way)
+        order = rows[np.argsort(response.values[rows])]
+        for name in names:
+            if way and name != names[0]:  # two lines, which differ in print too, are enough
+                continue
+            column = getattr(response, name)[order]
+            column = column + shift.get(name, np.zeros(len(response)))[order]
+            column = np.where(np.isfinite(column), column, np.nan)
+            if name == "balance_error":  # in percent
+                column = column * 100
+            axes.plot(response.values[order], column, **_line_style(name, way, column))
+            drawn.append(column[np.isfinite(column)])
     if level is not None:
         axes.axhline(level, color="0.6", lw=0.6, zorder=0)
     axes.set_ylabel(text)
@@ -451,7 +464,21 @@ def _response_panel(axes: Axes, response: FrequencyResponse, letter: str) -> Non
     elif letter == "e":
         axes.set_ylim(-0.02, 1.02)
     elif letter in "abd":
-        _fit_height(axes, response, np.concatenate(drawn))
+        _fit_height(axes, response, np.concatenate([np.zeros(0), *drawn]))
+
+
+def _line_style(name: str, way: str, column: np.ndarray) -> Record:
+    """Return the style of a column of a response.
+
+    Followed upwards it is dark, with triangles that point up, downwards grey and open: the ways
+    differ in print too.
+    """
+    style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
+    if len(column) <= FEW_POINTS:
+        style |= {"marker": "o", "ms": 3}
+    if not way:
+        return style
+    return style | {"ms": 3.5, "label": f"{way}wards"} | RESPONSE_WAYS[way]
 
 
 def _fit_height(axes: Axes, response: FrequencyResponse, drawn: np.ndarray) -> None:

@@ -184,11 +184,13 @@ VALID: dict[str, set[str]] = {
         NUMBER,
     ),
     **_each(
-        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase",
+        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, pull, Y, Y_phase, W, W_phase",
         NUMBER,
     ),
     **_each("Belt v, Belt mu, Belt mu_s, Belt.replace mu, Oscillator.replace mu_s1", NUMBER),
-    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s, until", NUMBER),
+    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s", NUMBER),
+    "until": NUMBER | PAIRS,
+    "doublings": {"3", "array_0_whole"},
     "Belt.from_function mu": {"lambda"},
     "pieces": {"3", "array_0_whole"},
     **_each("g, angle, atlas prove, atlas seconds, grazing_start periods", NUMBER),
@@ -261,13 +263,18 @@ VALID: dict[str, set[str]] = {
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
-    "data": ("file", "path", "t", "kind", "x", "v"),
+    "data": ("file", "path", "t", "kind", "x", "v", "column", "function", "solution"),
+    "curve": ("mu",),
+    "law": ("quantity",),
+    "quantity": ("law",),
     "end": ("x_j", "theta_j"),
+    "events": ("t of events",),
     "first": ("Omega",),
     "given": ("a",),
     "high": ("Omega",),
     "low": ("Omega",),
     "m": ("v2",),
+    "mu": ("curve", "mu_s"),
     "Omega": ("v2",),
     "phase": ("angle",),
     "Y_phase": ("angle",),
@@ -279,6 +286,7 @@ CALLED = {
     "start": ("x_i", "theta_i"),
     "t_end": ("skip",),
     "t": (
+        "DataArray",
         "MaskedConstant",
         "column",
         "file",
@@ -347,6 +355,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "line": lambda: symosc.sweep(
         "fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"
     ),
+    "attractors": lambda: symosc.attractors(P9, {"x0": [0, 1], "v0": [0, 1]}, t_end="40T"),
     "scores": _scores,
     "drawing": lambda: plot.figure("fig6", panels="a"),
 }
@@ -458,6 +467,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "sweep": (s.sweep, swept),
         "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
         "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
+        "plot.attractors_figure": (plot.attractors_figure, {"found": made("attractors")}),
         "plot.sweep_figure": (
             plot.sweep_figure,
             grazes | {"name": "Omega", "low": "0.1", "high": 4},
@@ -470,6 +480,10 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Belt.from_function": (
             s.Belt.from_function,
             {"v": 1, "mu": lambda w: 1, "until": 2, "pieces": 3, "mu_s": 2},
+        ),
+        "law_error": (
+            s.law_error,
+            {"law": lambda n: n, "quantity": lambda n: 1 / n**2, "pieces": 3},
         ),
         "plot.friction_figure": (plot.friction_figure, {"p": P9, "v": (0, 6)}),
     }
