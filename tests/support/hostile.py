@@ -233,7 +233,9 @@ VALID: dict[str, set[str]] = {
         "p, parameters, sweep scene, sweep_status scene, crosscheck scene, simulate scene", BOTH
     ),
     **_each(
-        "atlas what, attractors what, frequency_response what, fit what, sensitivities what", BOTH
+        "atlas what, attractors what, bifurcation what, return_map what, frequency_response what, "
+        "fit what, sensitivities what",
+        BOTH,
     ),
     **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
     "certify what": BOTH | {"Atlas"},
@@ -392,6 +394,11 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
         "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
         "attractors": (s.attractors, {"what": P9, "starts": [(0, 0, 0)], "t_end": "40T"}),
+        "bifurcation": (
+            s.bifurcation,
+            {"what": P9, "over": {"Omega": [4, 4.1]}, "sections": 2, "skip": 2},
+        ),
+        "return_map": (s.return_map, {"what": P9, "points": 8}),
         "frequency_response": (s.frequency_response, {"what": "fig9", "over": {"Omega": [4]}}),
         "fit": (
             s.fit,
