@@ -252,8 +252,8 @@ class BranchSpecial(NamedTuple):
 class BranchColumns(NamedTuple):
     """The orbits of a branch as columns, as `Branch` has them.
 
-    `extents` are the least and largest positions, and `starts` states (t, x, v) on the orbits; both
-    None under the law of the paper.
+    `extents` are the least and largest positions (under the law of the paper, of the switchings), and
+    `starts` states (t, x, v) on the orbits, None under the law of the paper.
     """
 
     values: np.ndarray
@@ -261,7 +261,7 @@ class BranchColumns(NamedTuple):
     spans: np.ndarray
     multipliers: np.ndarray
     stable: np.ndarray
-    extents: np.ndarray | None = None
+    extents: np.ndarray
     starts: np.ndarray | None = None
 
 
@@ -279,7 +279,9 @@ def columns_of_paper(
     multipliers = np.array([point.multipliers for point in path])
     damping = [orbit.parameters.replace(**{parameter: float(value)}).c > 0 for value in values]
     stable = np.array(damping) | (np.abs(multipliers).max(axis=1) < 1 - NEAR_ONE)
-    return BranchColumns(values, points, 2 * pi * orbit.periods / Omega, multipliers, stable)
+    spans = 2 * pi * orbit.periods / Omega
+    extents = np.stack([x.min(axis=1), x.max(axis=1)], axis=1)
+    return BranchColumns(values, points, spans, multipliers, stable, extents)
 
 
 class Branch(Drawable):
@@ -301,8 +303,8 @@ class Branch(Drawable):
         circle (`symosc.orbits.floquet`).
     spans : (m,) array
         The period of each orbit.
-    extents : (m, 2) array or None
-        The least and the largest position; None under the law of the paper.
+    extents : (m, 2) array
+        The least and the largest position; under the law of the paper, of the switching points.
     periods : int
         Number of forcing periods; 0 without a drive.
     special : sequence of BranchSpecial
@@ -357,8 +359,8 @@ class Branch(Drawable):
         require(WHOLE, i=i)
         require_or_none(WHOLE, digits=digits)
         if self._starts is not None:
-            start = self._starts[int(i)].tolist()
-            return orbit_near(self.parameters(i), *start, self.periods or None, digits)
+            t, x, v = self._starts[int(i)].tolist()
+            return orbit_near(self.parameters(i), t, x, v, self.periods or None, digits)
         return find_orbit(
             self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods
         )

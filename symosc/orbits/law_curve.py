@@ -13,7 +13,7 @@ stick. With static friction a graze is a stick at once, and beyond it there need
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import inf, pi
@@ -21,6 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from symosc.base.display.progress import Advance
 from symosc.base.errors import ParameterError
 from symosc.kernels import linear
 from symosc.model import Model
@@ -330,7 +331,7 @@ class LawCurve:
     # -- along the curve ---------------------------------------------------------------------------
 
     def follow(
-        self, direction: float, most: int, advance: Callable[[float], None] | None = None
+        self, direction: float, most: int, advance: Advance = None
     ) -> tuple[list[CurvePoint], list[CurveEvent], CurveEnd]:
         """Follow the curve in a direction of the parameter; return its points, events and end."""
         point = self.begin(direction)
@@ -393,7 +394,7 @@ class LawCurve:
                 bad = inf
             step = min(trial * GROWTH, LONGEST_STEP)
             if advance:
-                advance(abs(later.value - self.value) / (self.high - self.low))
+                advance(abs(later.value - self.value) / (self.high - self.low), len(points))
             if self.extent(later) < SHRUNK * first_extent:
                 return points, events, CurveEnd("shrunk", self.shrunk_value(points))
             if self.is_closed(points):

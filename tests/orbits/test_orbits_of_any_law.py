@@ -72,6 +72,7 @@ def test_the_largest_displacement_of_the_cycle() -> None:
         assert abs(turns[0] - mpmath.mpf("1.038516480713450403125071049154")) < 1e-24
 
 
+@pytest.mark.slow
 def test_the_cycle_of_leine_has_its_period() -> None:
     """Numbers of Leine, van Campen, de Kraker and van den Steen 1998, by their closed law."""
     belt = Belt.from_function("1/5", lambda w: 1 / (1 + 3 * w), "1.5", 256)
@@ -80,6 +81,7 @@ def test_the_cycle_of_leine_has_its_period() -> None:
     assert cycle.word == "S1∘B1"
 
 
+@pytest.mark.slow
 def test_an_unstable_cycle_is_born_at_a_corner() -> None:
     cycle = find_orbit(TWO_BANDS, guess=(0, 1, 2))
     t = np.linspace(0, float(cycle.period), 20_001)
@@ -141,6 +143,7 @@ def test_static_friction_keeps_the_period_of_the_drive(mu_s: str) -> None:
     assert (first.t - slip.t + period / 2) % period == pytest.approx(period / 2, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_chaos_is_named_with_its_exponent() -> None:
     with pytest.raises(ConvergenceError, match=r"chaotic, with the exponent 0\.0[12]"):
         find_orbit(driven("1.26"))
@@ -196,6 +199,7 @@ def test_a_scene_starts_where_it_does() -> None:
     assert find_orbit(scene, x0="0.7").is_rest
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_neighbouring_orbits() -> None:
     for p in (STICK_SLIP, driven("0.98")):
         orbit = find_orbit(p)
@@ -227,6 +231,7 @@ def test_a_start_approaches_the_orbit() -> None:
     assert approach.periods > 10
 
 
+@pytest.mark.slow
 def test_orbits_are_drawn_and_printed(tmp_path: Any, monkeypatch: Any) -> None:
     for orbit in (
         find_orbit(STICK_SLIP), find_orbit(FALLING, x0="0.7"), find_orbit(THREE),
