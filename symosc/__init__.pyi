@@ -2,6 +2,8 @@
 from . import plot as plot
 from .analysis.fitting.fit import Fit as Fit
 from .analysis.fitting.fit import fit as fit
+from .analysis.law_error import LawError as LawError
+from .analysis.law_error import law_error as law_error
 from .analysis.response import FrequencyResponse as FrequencyResponse
 from .analysis.response import frequency_response as frequency_response
 from .base.display.drawable import Listing as Listing
@@ -12,6 +14,17 @@ from .base.errors import ResultError as ResultError
 from .base.errors import SceneError as SceneError
 from .base.errors import SweepError as SweepError
 from .base.errors import SymoscError as SymoscError
+from .basins.attractors import Attractors as Attractors
+from .basins.attractors import attractors as attractors
+from .basins.bifurcation import Bifurcation as Bifurcation
+from .basins.bifurcation import bifurcation as bifurcation
+from .basins.kinds import Chaotic as Chaotic
+from .basins.kinds import ObservedCycle as ObservedCycle
+from .basins.kinds import Rest as Rest
+from .basins.return_map import FixedPoint as FixedPoint
+from .basins.return_map import MapJump as MapJump
+from .basins.return_map import ReturnMap as ReturnMap
+from .basins.return_map import return_map as return_map
 from .belts import Belt as Belt
 from .certificates.atlas import Atlas as Atlas
 from .certificates.atlas import atlas as atlas

@@ -179,9 +179,13 @@ class Parameters(Model):
             NUMBER, m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, v1=v1, v2=v2, mu1=mu1, mu2=mu2, FN=FN
         )
         numbers = {"m": m, "c": c, "k": k, "A0": A0, "B0": B0, "Omega": Omega, "v1": v1, "v2": v2}
-        for name, value in (numbers | {"mu1": mu1, "mu2": mu2, "FN": FN}).items():
+        self._read(numbers | {"mu1": mu1, "mu2": mu2, "FN": FN})
+
+    def _read(self, given: Mapping[str, Any]) -> None:
+        """Read numbers that are given by name, all or those that are changed, and check them."""
+        for name, value in given.items():
             object.__setattr__(self, name, read_number(name, value)[0])
-        for name in PARAMETER_NAMES:
+        for name in given:
             check_range(name, getattr(self, name))
         if self.v1 >= self.v2:
             raise ParameterError("v1", show(self.v1), f"must be less than v2 = {show(self.v2)}")
@@ -203,7 +207,11 @@ class Parameters(Model):
             if name not in PARAMETER_NAMES:
                 allowed = f"unknown parameter; choose from {', '.join(PARAMETER_NAMES)}"
                 raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
-        return Parameters(**by_name(self) | changes)
+        # What stays has been read: searches and branches change one number thousands of times.
+        changed = object.__new__(type(self))
+        vars(changed).update(by_name(self))
+        changed._read({name: changes[name] for name in PARAMETER_NAMES if name in changes})
+        return changed
 
     def numbers(self) -> dict[str, Fraction]:
         """Return all parameters by name."""

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from bad_values import refused
 
-from symosc import MissingExtraError, load_scene, sensitivities, simulate
+from symosc import Belt, MissingExtraError, Oscillator, load_scene, sensitivities, simulate
 from symosc import jax as ours
 
 jax = pytest.importorskip("jax")
@@ -88,3 +88,34 @@ def test_what_is_wrong_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "jax", None)
     with pytest.raises(MissingExtraError, match=r"symosc\[jax\]"):
         ours.flow(P, 1.0)
+
+
+#: A falling friction curve with static friction, and a second belt without.
+CURVED = Oscillator(
+    m=1, c="1/10", k=1, B0="9/10", Omega="11/10",
+    belts=[Belt("1/2", curve=[(0, "1/2"), (1, "1/5")], mu_s="7/10"), Belt(2, "1/10")],
+)  # fmt: skip
+
+
+def test_other_laws() -> None:
+    """Events and flows by the numbers of a friction curve, as `sensitivities` has them."""
+    names = ("mu1_1", "mu_s1", "x0")
+    expected = sensitivities(CURVED, names, x0=1, t_end=12)
+    count = len(expected.dt)
+    assert count > 3
+    values = {name: float(value) for name, value in CURVED.given_numbers().items()}
+
+    def last_time(mu1_1: Any, mu_s1: Any, x0: Any) -> Any:
+        changed = values | {"mu1_1": mu1_1, "mu_s1": mu_s1}
+        return ours.events(changed, x0=x0, t_end=12, count=count).t[-1]
+
+    slopes = jax.grad(last_time, argnums=(0, 1, 2))(0.2, 0.7, 1.0)
+    np.testing.assert_allclose(slopes, expected.dt[-1], rtol=1e-10)
+
+    def states(mu1_1: Any, mu_s1: Any, x0: Any) -> Any:
+        return ours.flow(values | {"mu1_1": mu1_1, "mu_s1": mu_s1}, 9.0, x0=x0)
+
+    by_all = jax.jacobian(states, argnums=(0, 1, 2))(0.2, 0.7, 1.0)
+    np.testing.assert_allclose(np.stack(by_all, axis=-1), expected(9.0), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(ours.flow(CURVED, 9.0, x0=1), simulate(CURVED, x0=1, t_end=10)(9.0))
+    refused(lambda: ours.flow({n: values[n] for n in values if n != "w1_1"}, 1.0), "w1_1")

@@ -200,9 +200,9 @@ def case_row(case: ReferenceCase, events: bool) -> Record:
 def score(folder: str, results: tuple[str, ...], tolerance: Text, plot: Text) -> int:
     """Judge the events that solvers have found in the reference cases.
 
-    DIR is what `symosc cases -o DIR` has written. THEIRS is a CSV or JSON file for all cases, or a
-    folder with a CSV file for each case; DIR/README.md says what is in them. Cases may be missing.
-    Several THEIRS stand side by side.
+    DIR is what `symosc cases -o DIR` has written. THEIRS is a table for all cases, in any format
+    that `symosc check` reads, or a JSON file, or a folder with a table for each case; DIR/README.md
+    says what is in them. Cases may be missing. Several THEIRS stand side by side.
 
     For each case and group: events missed, invented or of a wrong kind, and the largest error in
     units of what rounding the case's numbers to doubles does (condition * 1e-16). A case is right

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from symosc.base.errors import ParameterError, brief
+from symosc.base.errors import ParameterError, brief, meant
 from symosc.base.exact import NO_EXPRESSION, NUMBER_FORMS, read_double, unmasked
 from symosc.engine.events import KIND_NAMES
 from symosc.model import Model, Oscillator
@@ -155,6 +155,15 @@ def read_cell(name: str, value: Any) -> float:
         if what in (NUMBER_FORMS, NO_EXPRESSION):
             what = "is not a number"
         raise ParameterError(error.name, value, what) from None
+
+
+def check_kind(row: int, kind: Any) -> None:
+    """Raise ParameterError unless the entry of a column of kinds is one of events."""
+    kinds = tuple(KIND_NAMES.values())
+    if not isinstance(kind, str) or kind not in kinds:
+        allowed = f"must be one of {', '.join(kinds)}{meant(str(kind), kinds)}"
+        value = str(kind) if isinstance(kind, str) else kind  # as plain text, not numpy's
+        raise ParameterError(f"kind[{row}]", value, allowed)
 
 
 def checked_events(events: object) -> tuple[tuple[float, str], ...]:

@@ -38,7 +38,16 @@ from symosc.engine import (
     summary,
     tangent,
 )
-from symosc.engine.flow import NESTED, ROW, ConstantRows, Constants, constants, with_march
+from symosc.engine.flow import (
+    NESTED,
+    ROW,
+    ConstantRows,
+    Constants,
+    constants,
+    constants_in,
+    pair_table_of,
+    with_march,
+)
 from symosc.engine.state import TUPLES_IN_FOLLOWED, Followed, NextEvent, State
 from symosc.kernels import (
     _generated,
@@ -448,6 +457,7 @@ PLAIN_IN_PAIRS = {
     f"{name}_in_doubles": name
     for name in (
         "end_by_phase",
+        "entered",
         "next_undecided",
         "open_free_time",
         "searched",
@@ -509,6 +519,7 @@ def compiled_pairs() -> PairLoops:
     outlined = functions_of(SOURCES).keys() - functions_of((_generated,)).keys() - {"derivatives"}
     replaced = _pair_constants() | {name: getattr(math, name) for name in pairs.FUNCTIONS}
     replaced["from_complex"] = pairs.from_complex
+    pairs.ROWS |= {kind._fields: kind for kind in (Constants, *NESTED.values())}
     beside = (pairs, double_double, summary)
     functions = compile_modules(SOURCES, outlined, callees, replaced, pairs.Pair, beside)
     return PairLoops(*(functions[name] for name in PairLoops._fields))
@@ -535,9 +546,14 @@ def interpreted_pairs() -> PairLoops:
     replaced = _pair_constants()
     replaced |= {name: bound[own.__name__] for name, own in pairs.FUNCTIONS.items()}
     replaced["two_product"] = product_and_zero
+
+    def from_complex(value: Any) -> Any:
+        if isinstance(value, np.void):
+            value = constants_in(value)
+        return converted(value, number)
+
     # The source reads the numbers of a row by float() and int(), and all constants at once.
-    replaced |= {"float": number, "int": whole}
-    replaced["from_complex"] = partial(converted, number=number)
+    replaced |= {"float": number, "int": whole, "from_complex": from_complex}
     # What is computed in doubles beside pairs, such as the search for an event.
     replaced |= {name: IN_DOUBLES[function] for name, function in PLAIN_IN_PAIRS.items()}
     functions = bind(SOURCES, replaced, literal=pairs.Pair)
@@ -573,8 +589,11 @@ def pairs_as_complex(value: Any) -> Any:
 
 
 @lru_cache(maxsize=1024)
-def pair_constants(parameters: Model) -> Constants:
-    """Return the constants as pairs, each stored as a complex number hi + i lo and rounded once,
-    from 50 digits.
+def pair_constants(parameters: Model) -> np.ndarray:
+    """Return the table of the constants of a law as pairs, each stored as a complex number hi + i
+    lo and rounded once, from 50 digits.
     """
-    return pairs_as_complex(many_digits(parameters, ROUNDED_FROM).K)
+    rows = range(len(rows_in_doubles(parameters)))
+    return pair_table_of(
+        pairs_as_complex(many_digits(parameters, ROUNDED_FROM, row).K) for row in rows
+    )

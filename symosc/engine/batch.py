@@ -463,23 +463,26 @@ next_undecided_in_doubles = next_undecided
 open_free_time_in_doubles = open_free_time
 write_event_in_doubles = write_event
 write_piece_in_doubles = write_piece
+entered_in_doubles = entered
 
 
 def from_complex(value):
     """Return `value` unchanged in doubles.
 
-    The version for pairs converts complex hi + i lo to pairs.
+    The version for pairs converts complex hi + i lo to pairs, also in a row of a table.
     """
     return value
 
 
-def first_pairs(pairs, K):
+def first_pairs(pairs, numbers, table):
     """Fill in forces, sine, cosine and errors of start states in pairs; none may be on a belt with
     a force near 0.
+
+    `numbers` are those of their constants in the `table` of complex numbers.
     """
-    K = from_complex(K)
     for i in range(pairs.shape[0]):
         row = pairs[i]
+        K = from_complex(table[numbers[i]])
         mode = int(row.mode)
         at = int(row.at)
         theta = float(row.theta)
@@ -507,7 +510,7 @@ def first_pairs(pairs, K):
             row.S22 = (EPS * v) * (EPS * v)
 
 
-def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
+def follow_pairs(chosen, wanted, pairs, batch, out, pieces, table, tally, limits):
     """Follow the `chosen` trajectories in double-double numbers until each has `wanted` events or
     has ended.
     """
@@ -523,9 +526,8 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
     #     that they are sure of.
     #   out : EventRows that hold all events to come.
     #   pieces : as `follow_all` takes it; a motion that has filled it is RUNNING.
-    #   K : Constants of complex numbers.
+    #   table : the rows of constants of the law of all these motions, of complex numbers.
     #   tally : as `follow_all` takes it.
-    K = from_complex(K)
     states, sets, counts, codes = batch
     rows = 0
     parts = 0
@@ -535,6 +537,7 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
         state = state_of(pairs[i])
         plain = limits.table[sets[i]]
         careful = limits.careful[sets[i]]
+        K = from_complex(table[int(plain.row)])
         t_end = from_complex(pairs[i].t_end)
         t_end_low = from_complex(pairs[i].t_end_low)
         t0 = from_complex(pairs[i].t0)
@@ -585,6 +588,14 @@ def follow_pairs(chosen, wanted, pairs, batch, out, pieces, K, tally, limits):
                 tally_step(i, rounded, rounded_event, t0.hi, tally, plain)
             state = event.state
             rounded = rounded_after
+            way = band_beyond(rounded.mode, K)
+            if way != 0:
+                sets[i] += way
+                plain = limits.table[sets[i]]
+                careful = limits.careful[sets[i]]
+                K = from_complex(table[int(plain.row)])
+                state = entered(state, way)
+                rounded = entered_in_doubles(rounded, way)
             if recorded and code == RUNNING:
                 elapsed = ((state.t - t0.hi) + state.t_low).hi
                 write_piece_in_doubles(pieces, parts, rounded, elapsed, plain)

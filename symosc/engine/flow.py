@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from math import atan2, inf, pi, sqrt
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, get_type_hints
 
 import numpy as np
 
@@ -100,8 +100,8 @@ class BeltConstants(NamedTuple):
     limit_below: Number
     limit_above: Number
     is_corner: bool  # whether only the slope of the friction changes here
-    # whether a motion that is over rests on this corner: there is no drive, its speed is 0, and the
-    # damping is not negative on either side
+    # whether a motion that is over rests on this corner: there is no drive, its speed is 0, and
+    # motions near it do not grow
     is_rest: bool
 
 
@@ -182,7 +182,7 @@ class Constants(NamedTuple):
     stride: MarchConstants
 
 
-NESTED = {
+NESTED: dict[str, Any] = {
     "belt1": BeltConstants,
     "belt2": BeltConstants,
     "march": MarchConstants,
@@ -190,14 +190,24 @@ NESTED = {
 }
 
 
-def _row_type(kind: Any) -> np.dtype[Any]:
-    """Return the numpy row type for a NamedTuple of numbers, flags (0.0 or 1.0) and nested tuples."""
-    return np.dtype(
-        [(name, _row_type(NESTED[name]) if name in NESTED else np.float64) for name in kind._fields]
-    )
+def _row_type(kind: Any, types: dict[Any, Any], number: Any) -> np.dtype[Any]:
+    """Return the numpy row type for a NamedTuple, also for those nested in it.
+
+    An entry has the type that `types` has for its annotation, or else `number`.
+    """
+    entries = list[tuple[str, Any]]()
+    for name, annotation in get_type_hints(kind).items():
+        if name in NESTED:
+            entries.append((name, _row_type(NESTED[name], types, number)))
+        else:
+            entries.append((name, types.get(annotation, number)))
+    return np.dtype(entries)
 
 
-ROW = _row_type(Constants)
+# Flags and whole numbers are doubles here.
+ROW = _row_type(Constants, {}, np.float64)
+# Constants in double-double numbers: hi + lo stored as the complex number hi + i lo.
+PAIR_CONSTANTS = _row_type(Constants, {bool: np.bool_, int: np.int64}, np.complex128)
 
 
 def constants(
@@ -401,7 +411,7 @@ def _belt_constants(
     return BeltConstants(
         v=number(v),
         is_corner=edge.belt == 0,
-        is_rest=edge.belt == 0 and v == 0 and parameters.k > 0 and _is_damped(parameters, edge),
+        is_rest=edge.belt == 0 and v == 0 and _fades_at(parameters, edge),
         J=number(J),
         E=number(E),
         hold=number(J + 2 * E),
@@ -415,13 +425,21 @@ def _belt_constants(
     )
 
 
-def _is_damped(parameters: Model, edge: EdgeOfLaw) -> bool:
-    """Return whether there is no drive, and no negative damping on either side of a corner."""
-    return parameters.B0 == 0 and all(
-        parameters.law.damping(parameters.c, n) >= 0
+def _fades_at(parameters: Model, edge: EdgeOfLaw) -> bool:
+    """Return whether motions near the equilibrium on a corner at the speed 0 do not grow."""
+    if parameters.B0 != 0 or parameters.k == 0:
+        return False
+    smaller, larger = sorted(
+        parameters.law.damping(parameters.c, n)
         for n, row in enumerate(parameters.law.rows)
         if edge in (row.below, row.above)
     )
+    if smaller >= 0:
+        return True
+    # With c_j^2 < 4 m k half a turn takes the factor exp(-pi c_j/sqrt(4 m k - c_j^2)), and the
+    # product of both factors is below 1 where the sum of the c_j is positive. Without a turn on the
+    # growing side a motion there does not come back.
+    return smaller**2 < 4 * parameters.m * parameters.k and smaller + larger > 0
 
 
 def no_belt(boundary: int, number: Callable[[Any], Number]) -> BeltConstants:
@@ -472,6 +490,19 @@ class ConstantRows(Sequence[Constants]):
 def table_of(rows: Iterable[Constants]) -> np.ndarray:
     """Return a table with a row for each of the given constants."""
     return np.array([tuple(row) for row in rows], dtype=ROW)
+
+
+def pair_table_of(rows: Iterable[Constants]) -> np.ndarray:
+    """Return a table with a row for each of the given constants of complex numbers hi + i lo."""
+    return np.array([tuple(row) for row in rows], dtype=PAIR_CONSTANTS)
+
+
+def constants_in(row: np.void) -> Constants:
+    """Return a row of a table as Constants of Python's numbers."""
+    numbers = dict(zip(Constants._fields, row.item(), strict=True))
+    for name, kind in NESTED.items():
+        numbers[name] = kind._make(numbers[name])
+    return Constants(**numbers)
 
 
 class TableLoops(NamedTuple):

@@ -262,10 +262,6 @@ def after_flight(state, end, start, remaining, K):
         boundary = mode
     belt = belt_at(boundary, K)
     v = belt.v
-    if code == STALLED and belt.is_rest:  # a motion that dies away there does not leave it any more
-        zero = 0.0 * F
-        rest = State(mode, boundary, n, theta, x, v, zero, zero, S, t, t_low, s, c, theta_low)
-        return NextEvent(MOVED, boundary, True, 0.0, rest)
     if code == STALLED:
         there = State(mode, at, n, theta, x, v, F, F, S, t, t_low, s, c, theta_low)
         return NextEvent(FAILED, boundary, False, 0.0, there)
@@ -465,10 +461,11 @@ def meet_belt(there, end, v_noise, remaining, K):
         far_force = held_above
     else:
         far_force = held_below
-    small = abs(far_force) < NEAR_FORCE * belt.hold
-    if small and abs(far_force) <= force_noise(F, now.tau, S.S11, belt, K) + K.sigmas * abs(
-        K.cm
-    ) * sqrt(S.S22):
+    vanishes = abs(far_force) < NEAR_FORCE * belt.hold
+    if vanishes:
+        noise = force_noise(F, now.tau, S.S11, belt, K)
+        vanishes = abs(far_force) <= noise + K.sigmas * abs(K.cm) * sqrt(S.S22)
+    if vanishes:
         decided = False
         if upward:
             held_above = 0.0 * held_above

@@ -319,13 +319,19 @@ def longest_span(parameters: Model) -> Fraction:
 
 def first_row_in_doubles(start: Start) -> tuple[int, tuple[Number, ...]]:
     """Return the number of the constants with which a motion begins, and its batch row in doubles."""
-    row, state = begun(start, partial(Arithmetic, start.parameters))
-    return row, row_of(state, *last_time(start, Arithmetic(start.parameters)))
+    return first_row(start, partial(Arithmetic, start.parameters))
 
 
-def first_row(start: Start, arithmetic: Arithmetic) -> tuple[Number, ...]:
-    """Return the batch row (state, t_end in two parts, t0) of a motion at its start."""
-    return row_of(first_state(start, arithmetic), *last_time(start, arithmetic))
+def first_row(
+    start: Start, arithmetic: Callable[[int], Arithmetic]
+) -> tuple[int, tuple[Number, ...]]:
+    """Return the number of the constants with which a motion begins, and its batch row (state,
+    t_end in two parts, t0) there.
+
+    `arithmetic` returns the arithmetic with a row of constants, by its number.
+    """
+    row, state = begun(start, arithmetic)
+    return row, row_of(state, *last_time(start, arithmetic(row)))
 
 
 def is_steady(start: Start) -> bool:

@@ -16,11 +16,11 @@ import numpy as np
 
 from symosc.base.errors import ParameterError, meant, optional
 from symosc.base.exact import whole_number
+from symosc.base.quantities import number_of_belt
 from symosc.derivatives.sensitivities import sensitivities
-from symosc.model import PARAMETER_NAMES, Parameters, by_name
+from symosc.model import PARAMETER_NAMES, Model, model_from
 from symosc.scenes import STARTS
 from symosc.simulation.ensemble import simulate_many
-from symosc.simulation.tangents import NAMES
 
 __all__ = ["Events", "events", "flow"]
 
@@ -37,7 +37,7 @@ class Events(NamedTuple):
     kind : (count,) int array
         1 cross, 2 stick, 3 slip, 4 graze; 0 where there is no event.
     boundary : (count,) int array
-        1 or 2; 0 where there is no event.
+        The number of the belt; 0 where there is no event.
     regular : (count,) bool array
         Whether the event is there and has all derivatives; see `Sensitivities`.
 
@@ -56,7 +56,7 @@ class Events(NamedTuple):
 
 
 def events(
-    parameters: Parameters | Mapping[str, Any],
+    parameters: Model | Mapping[str, Any],
     *,
     t0: Any = 0.0,
     x0: Any = 0.0,
@@ -68,8 +68,10 @@ def events(
 
     Parameters
     ----------
-    parameters : Parameters or mapping
-        All eleven by name; numbers or JAX scalars.
+    parameters : Parameters, Oscillator or mapping
+        All numbers by name, numbers or JAX scalars: those of `Parameters`, or those of an
+        `Oscillator`, such as mu_s1 and w1_1. A static coefficient equal to the kinetic one is left
+        out.
     t0, x0, v0, t_end : number or JAX scalar
     count : int
         The number of rows, which JAX must know beforehand.
@@ -100,11 +102,12 @@ def events(
     from jax import numpy
 
     count = whole_number("count", count, 1)
-    return Events(*events_(_values(parameters, t0, x0, v0), numpy.asarray(t_end, float), count))
+    values, names = _values(parameters, t0, x0, v0)
+    return Events(*events_(values, numpy.asarray(t_end, float), count, names))
 
 
 def flow(
-    parameters: Parameters | Mapping[str, Any],
+    parameters: Model | Mapping[str, Any],
     t: Any,
     *,
     t0: Any = 0.0,
@@ -130,36 +133,58 @@ def flow(
     from jax import numpy
 
     times = numpy.asarray(t, float)
-    return flow_(_values(parameters, t0, x0, v0), times.reshape(-1)).reshape((2, *times.shape))
+    values, names = _values(parameters, t0, x0, v0)
+    return flow_(values, times.reshape(-1), names).reshape((2, *times.shape))
 
 
-def _values(parameters: Any, *start: Any) -> Any:
-    """Return the eleven parameters, and the numbers t0, x0, v0 of `start`, as one JAX array of 14
-    numbers.
+def _values(parameters: Any, *start: Any) -> tuple[Any, tuple[str, ...]]:
+    """Return the parameters, and the numbers t0, x0, v0 of `start`, as one JAX array, and the names
+    of its numbers.
     """
-    if isinstance(parameters, Parameters):
-        parameters = by_name(parameters, float)
+    if isinstance(parameters, Model):
+        parameters = {name: float(value) for name, value in parameters.given_numbers().items()}
     if not isinstance(parameters, Mapping):
         raise ParameterError(
-            "parameters", parameters, "must be Parameters, or a mapping of all eleven names"
+            "parameters", parameters, "must be Parameters, an Oscillator, or a mapping of all names"
         )
+    _check_names(parameters)
+    if parameters.keys() == set(PARAMETER_NAMES):
+        names = PARAMETER_NAMES
+    else:
+        names = tuple(parameters)
+    from jax import numpy
+
+    numbers = [numpy.asarray(value, float) for value in (*map(parameters.get, names), *start)]
+    return numpy.stack(numbers), (*names, *STARTS)
+
+
+def _check_names(parameters: Mapping[str, Any]) -> None:
+    """Raise ParameterError unless the names are all those of one oscillator."""
     for name in parameters:
-        if name not in PARAMETER_NAMES:
+        if name not in PARAMETER_NAMES and number_of_belt(str(name)) is None:
             hint = (
                 "unknown parameter; choose from "
                 f"{', '.join(PARAMETER_NAMES)}{meant(str(name), PARAMETER_NAMES)}"
             )
             raise ParameterError("parameters", name, hint)
-    for name in PARAMETER_NAMES:
+    required = [name for name in PARAMETER_NAMES if name not in ("v2", "mu2")]
+    for name in required:
         if name not in parameters:
             raise ParameterError(
                 "parameters", sorted(parameters), f"must have all parameters; {name} is missing"
             )
-    from jax import numpy
+    # The values may be known to JAX alone: any that are in order tell whether the names belong
+    # together.
+    model_from({name: _placeholder(name) for name in parameters})
 
-    return numpy.stack(
-        [numpy.asarray(value, float) for value in (*map(parameters.get, PARAMETER_NAMES), *start)]
-    )
+
+def _placeholder(name: str) -> int:
+    """Return a number that an oscillator may have under this name."""
+    of_belt = number_of_belt(name)
+    if of_belt is None:
+        return 1
+    placeholders = {"v": of_belt.belt, "w": of_belt.point, "mu_s": 2}
+    return placeholders.get(of_belt.quantity, 1)
 
 
 def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
@@ -177,7 +202,7 @@ def _functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
 @lru_cache(maxsize=1)
 def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
     """Return two functions that JAX can differentiate by the array of `_values`: of events, and of
-    [x, v] at times.
+    [x, v] at times. Their last argument is the names of its numbers.
     """
     import jax
 
@@ -189,56 +214,59 @@ def _jax_functions() -> tuple[Callable[..., Any], Callable[..., Any]]:
         out = tuple(jax.ShapeDtypeStruct(shape, kind) for shape, kind in shapes)
         return jax.pure_callback(function, out, *arguments, vmap_method="broadcast_all")
 
-    def all_of_events(values: Any, t_end: Any, count: int) -> Any:
+    def all_of_events(values: Any, t_end: Any, count: int, names: tuple[str, ...]) -> Any:
         """Return the columns of the events, and the derivatives of t and x by the `values`."""
         kinds = (float, float, np.int32, np.int32, bool)
-        shapes = [((count,), kind) for kind in kinds] + [((count, len(NAMES)), float)] * 2
-        return computed(partial(_events_of, count=count), shapes, values, t_end)
+        shapes = [((count,), kind) for kind in kinds] + [((count, len(names)), float)] * 2
+        return computed(partial(_events_of, count=count, names=names), shapes, values, t_end)
 
-    @partial(jax.custom_jvp, nondiff_argnums=(2,))
-    def events_(values: Any, t_end: Any, count: int) -> Any:
-        return all_of_events(values, t_end, count)[: len(Events._fields)]
+    @partial(jax.custom_jvp, nondiff_argnums=(2, 3))
+    def events_(values: Any, t_end: Any, count: int, names: tuple[str, ...]) -> Any:
+        return all_of_events(values, t_end, count, names)[: len(Events._fields)]
 
     @events_.defjvp
-    def _(count: int, primals: Any, tangents: Any) -> Any:
+    def _(count: int, names: tuple[str, ...], primals: Any, tangents: Any) -> Any:
         values, t_end = primals
-        *columns, dt, dx = all_of_events(values, t_end, count)
+        *columns, dt, dx = all_of_events(values, t_end, count, names)
         none = [np.zeros(count, jax.dtypes.float0)] * 3  # kind, boundary, regular do not vary
         return tuple(columns), (dt @ tangents[0], dx @ tangents[0], *none)
 
-    def all_of_flow(values: Any, times: Any) -> Any:
+    def all_of_flow(values: Any, times: Any, names: tuple[str, ...]) -> Any:
         """Return [x, v] at times, and their derivatives by the `values` and by time."""
         shape = (2, len(times))
         return computed(
-            _states_of,
-            [(shape, float), ((*shape, len(NAMES)), float), (shape, float)],
+            partial(_states_of, names=names),
+            [(shape, float), ((*shape, len(names)), float), (shape, float)],
             values,
             times,
         )
 
-    @jax.custom_jvp
-    def flow_(values: Any, times: Any) -> Any:
-        return all_of_flow(values, times)[0]
+    @partial(jax.custom_jvp, nondiff_argnums=(2,))
+    def flow_(values: Any, times: Any, names: tuple[str, ...]) -> Any:
+        return all_of_flow(values, times, names)[0]
 
     @flow_.defjvp
-    def _(primals: Any, tangents: Any) -> Any:
-        states, slopes, rates = all_of_flow(*primals)
+    def _(names: tuple[str, ...], primals: Any, tangents: Any) -> Any:
+        values, times = primals
+        states, slopes, rates = all_of_flow(values, times, names)
         return states, slopes @ tangents[0] + rates * tangents[1]
 
     return events_, flow_
 
 
-def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
+def _events_of(
+    values: Any, t_end: Any, count: int, names: tuple[str, ...]
+) -> tuple[np.ndarray, ...]:
     """Return t, x, kind, boundary, regular, dt, dx of the first `count` events of motions: one per
-    row of `values`.
+    row of `values`, whose columns are called `names`.
     """
     values = np.asarray(values)
     lead = values.shape[:-1]
-    rows = values.reshape(-1, len(NAMES))
+    rows = values.reshape(-1, len(names))
     ends = np.broadcast_to(np.asarray(t_end), lead).reshape(-1)
-    columns = dict(zip(NAMES, rows.T, strict=True))
+    columns = dict(zip(names, rows.T, strict=True))
     starts = {name: columns.pop(name) for name in STARTS}  # the other columns are parameters
-    table = simulate_many(columns, starts, ends, max_events=count, wrt=NAMES)
+    table = simulate_many(columns, starts, ends, max_events=count, wrt=names)
     # The table has the events of all motions one after the other, here there is a row for each.
     first = np.searchsorted(table.trajectory, np.arange(len(rows)))
     # The row of each event of the table, and its number in this row.
@@ -261,24 +289,24 @@ def _events_of(values: Any, t_end: Any, count: int) -> tuple[np.ndarray, ...]:
     )
 
 
-def _states_of(values: Any, times: Any) -> tuple[np.ndarray, ...]:
-    """Return [x, v] at `times` of motions, one per row of 14 `values`, and its derivatives by these
-    and by time.
+def _states_of(values: Any, times: Any, names: tuple[str, ...]) -> tuple[np.ndarray, ...]:
+    """Return [x, v] at `times` of motions, one per row of `values`, whose columns are called
+    `names`, and its derivatives by these and by time.
     """
     values = np.asarray(values)
     times = np.asarray(times)
     lead = values.shape[:-1]
     n = times.shape[-1]
-    rows = values.reshape(-1, len(NAMES))
+    rows = values.reshape(-1, len(names))
     instants = np.broadcast_to(times, (*lead, n)).reshape(-1, n)
-    states, slopes, rates = (np.empty((len(rows), 2, n, *last)) for last in ((), (len(NAMES),), ()))
+    states, slopes, rates = (np.empty((len(rows), 2, n, *last)) for last in ((), (len(names),), ()))
     for i, (row, row_times) in enumerate(zip(rows.tolist(), instants, strict=True)):
-        numbers = dict(zip(NAMES, row, strict=True))
+        numbers = dict(zip(names, row, strict=True))
         start = {name: numbers.pop(name) for name in STARTS}
         last = float(row_times.max())
         if not last > start["t0"]:  # a motion must have a length, whatever it is
             last = start["t0"] + 1.0
-        s = sensitivities(Parameters(**numbers), NAMES, **start, t_end=last)
+        s = sensitivities(model_from(numbers), names, **start, t_end=last)
         states[i] = s.trajectory(row_times)
         slopes[i] = s(row_times)
         forces = {

@@ -330,10 +330,19 @@ def _pair(typingctx: Any, hi: Any, lo: Any) -> Any:
     return pair_type(types.float64, types.float64), code
 
 
+#: The named tuples that rows of tables become, by the names of their entries.
+ROWS: dict[tuple[str, ...], type] = {}
+
+
 def _with_pairs(declared: Any) -> Any:
-    """Return a numba type with its complex numbers replaced by pairs."""
+    """Return a numba type with its complex numbers replaced by pairs, and rows of tables by the
+    named tuples of ROWS.
+    """
     if isinstance(declared, types.Complex):
         return pair_type
+    if isinstance(declared, types.Record):
+        entries = [_with_pairs(declared.typeof(name)) for name in declared.fields]
+        return types.BaseTuple.from_types(entries, ROWS[tuple(declared.fields)])
     if isinstance(declared, types.NamedTuple):
         return types.NamedTuple([_with_pairs(entry) for entry in declared], declared.instance_class)
     if isinstance(declared, types.NamedUniTuple):
@@ -344,8 +353,8 @@ def _with_pairs(declared: Any) -> Any:
 
 
 def _from_complex(typingctx: Any, value: Any) -> Any:
-    """Convert complex numbers, also in a named tuple, to pairs: hi is the real, lo the imaginary
-    part.
+    """Convert complex numbers, also in a named tuple or in a row of a table, to pairs: hi is the
+    real, lo the imaginary part.
     """
     wanted = _with_pairs(value)
 
@@ -353,6 +362,13 @@ def _from_complex(typingctx: Any, value: Any) -> Any:
         def made(kind: Any, part: Any) -> Any:
             if isinstance(kind, types.Complex):
                 return _packed(context, builder, *_parts(builder, part))
+            if isinstance(kind, types.Record):
+                entries = list[Any]()
+                for name in kind.fields:
+                    read = context.get_getattr(kind, name)
+                    entry = read(context, builder, kind, part, name)
+                    entries.append(made(kind.typeof(name), entry))
+                return context.make_tuple(builder, _with_pairs(kind), entries)
             if isinstance(kind, types.BaseTuple):
                 kinds = list(iter(kind))  # type: ignore[call-overload]
                 entries = [

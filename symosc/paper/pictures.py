@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from fractions import Fraction
-from functools import lru_cache, partial
+from functools import cache, lru_cache, partial
 from math import pi
 from typing import Any, NamedTuple
 
@@ -343,6 +343,7 @@ def _panels_text(view: View) -> str:
     )
 
 
+@cache
 def _distance_text(orbit: str) -> str:
     """Return the part of a caption that says how far the printed start is from an orbit."""
     scene = load_scene(orbit)

@@ -561,7 +561,7 @@ NAMES_HEIGHT = 1.2
 
 
 @public
-def score_figure(scores: Sequence[Score]) -> Figure:
+def score_figure(scores: Sequence[Score], *, figsize: FigureSize = None) -> Figure:
     """Draw the scores of solvers on reference cases.
 
     There is a panel per solver and a column per case, in groups. Below is the largest error; its
@@ -572,6 +572,8 @@ def score_figure(scores: Sequence[Score]) -> Figure:
     ----------
     scores : sequence of Score
         Of the same cases; from `symosc.reference.score.score`.
+    figsize : (number, number), optional
+        Width and height in inches. By default the height grows with the number of solvers.
 
     Examples
     --------
@@ -588,7 +590,7 @@ def score_figure(scores: Sequence[Score]) -> Figure:
         raise ParameterError("scores", scores, "must be one or more")
     columns, groups, width = _columns_of(scores[0].cases)
     size = (SCORES_WIDTH, SOLVER_HEIGHT * len(scores) + NAMES_HEIGHT)
-    with axes_for(None, size, len(scores), columns=1) as (drawing, panels):
+    with axes_for(None, size, len(scores), figsize=figsize, columns=1) as (drawing, panels):
         for ax, score in zip(panels, scores, strict=True):
             _score_panel(ax, score, columns)
             for number, (begin, end) in enumerate(groups.values()):

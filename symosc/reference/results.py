@@ -1,23 +1,28 @@
-"""Read a solver's events: CSV in one file for all cases or a file per case, or JSON.
+"""Read a solver's events: a table of all cases or one for each case, in any format, or JSON.
 
 `formats.txt`, the README of a set of cases, has the rules.
 """
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, ResultError, brief
 from symosc.base.exact import read_exact
 from symosc.base.files import read_path
+from symosc.crosschecks.reading.files import PACKED, SUFFIXES, read_file, suffix_of
+from symosc.crosschecks.reading.names import ID_COLUMN, KIND_COLUMN, USUAL_NAMES, plain
+from symosc.crosschecks.reading.objects import table_in
+from symosc.crosschecks.reading.text import TextRows, is_number, plain_number, read_rows
 from symosc.simulation.tangents import NAMES
 
 EVENT_KINDS = ("cross", "stick", "slip", "graze")
@@ -32,6 +37,14 @@ CHANGES = tuple(f"d{coordinate}_{name}" for name in NAMES for coordinate in "tx"
 ENCLOSURES = ("t_low", "t_high", "x_low", "x_high")
 #: The columns that are read; others are ignored.
 COLUMNS = ("case", "t", "x", "kind", "boundary", "seconds", *ENCLOSURES, *CHANGES)
+#: Other names of them.
+USUAL_COLUMNS = {
+    "t": USUAL_NAMES["t"],
+    "x": USUAL_NAMES["x"],
+    "kind": USUAL_NAMES[KIND_COLUMN],
+    "case": USUAL_NAMES[ID_COLUMN],
+    "boundary": {"belt", "beltnumber", "border"},
+}
 
 
 class GivenEvent(NamedTuple):
@@ -82,8 +95,10 @@ class Entry(NamedTuple):
 
 
 def read_results(path: str | Path, names: Container[str]) -> Results:
-    """Return results by case, from one file (.csv, .json), or from a folder with NAME.csv or
-    NAME/events.csv for each case.
+    """Return results by case, from one file, or from a folder with NAME.csv or NAME/events.csv for
+    each case.
+
+    JSON has the cases by name; any other file is a table in a format that `symosc check` reads.
     """
     source = Path(read_path(path))
     if not source.exists():
@@ -94,13 +109,14 @@ def read_results(path: str | Path, names: Container[str]) -> Results:
             if name in results:
                 raise ResultError(str(file), f"is the second file with results for {name}")
             results[name] = CaseResult()
-            _add_entries(results, _csv_entries(file, name))
-    elif source.suffix.lower() == ".csv":
-        _add_entries(results, _csv_entries(source, None))
+            _add_entries(results, _table_entries(file, name))
     elif source.suffix.lower() == ".json":
         _add_entries(results, _json_entries(source))
+    elif suffix_of(source) in SUFFIXES:
+        _add_entries(results, _table_entries(source, None))
     else:
-        raise ResultError(str(source), "must end in .csv or .json, or be a folder of CSV files")
+        endings = f"{', '.join(SUFFIXES)} and perhaps {', '.join(PACKED)}"
+        raise ResultError(str(source), f"must end in {endings}, or be a folder of tables")
     for name in results:
         if name not in names:
             problem = f"has results for {brief(name)!r}, which is no case of this set"
@@ -122,9 +138,12 @@ def _files_of_cases(folder: Path, names: Container[str]) -> Iterator[tuple[Path,
         else:
             file = path
             name = path.stem
-        if file.suffix.lower() != ".csv" or not file.is_file() or path.name == CASES_TABLE:
+        is_table = suffix_of(file) in SUFFIXES and suffix_of(file) != ".json"
+        if not is_table or not file.is_file() or path.name == CASES_TABLE:
             continue
         if name not in names:
+            if file.suffix.lower() != ".csv":  # notes, or another set's
+                continue
             problem = f"is named {brief(name)!r}, which is no case of this set"
             raise ResultError(str(file), problem)
         yield file, name
@@ -140,51 +159,94 @@ def _text_of(path: Path) -> str:
         raise ResultError(str(path), "cannot be read: it is not text in UTF-8") from None
 
 
-def _csv_entries(path: Path, case: str | None) -> Iterator[Entry]:
-    """Yield the entries of a CSV file.
+def _table_entries(path: Path, case: str | None) -> Iterator[Entry]:
+    """Yield the entries of a table in a file of any format that `symosc check` reads.
 
     `case` is the name of the case that it is for, None if it has a column of names.
     """
-    reader = csv.reader(io.StringIO(_text_of(path), newline=""), strict=True)
-    header: list[str] = []
+    reader = partial(read_rows, is_header=lambda names: "kind" in _columns_of(names))
     try:
-        for row in reader:
-            cells = [cell.strip() for cell in row]
-            if not any(cells):
-                continue
-            if not header:
-                header = cells
-                _check_header(path, header, case is None)
-                continue
-            place = FilePlace(path, f"line {reader.line_num}")
-            if len(cells) != len(header):
-                raise place.wrong(f"it has {len(cells)} entries, and the header has {len(header)}")
-            read = {
-                column: cell
-                for column, cell in zip(header, cells, strict=True)
-                if cell and column in COLUMNS
-            }
-            yield Entry(case or read.get("case", ""), place, read)
-    except csv.Error as error:
-        raise FilePlace(path, f"line {reader.line_num}").wrong(str(error)) from None
-    if not header:
-        raise ResultError(str(path), "is empty")
+        names, rows = read_file(path, str(path), _named_rows, reader)
+    except ParameterError as error:
+        raise ResultError(str(path), error.allowed) from None
+    columns = _columns_of(names)
+    _check_columns(path, names, columns, case is None)
+    for number, cells in rows:
+        read = {
+            column: _plain_cell(cells[places[0]])
+            for column, places in columns.items()
+            if cells[places[0]] not in (None, "")
+        }
+        yield Entry(case or str(read.get("case", "")), FilePlace(path, number), read)
 
 
-def _check_header(path: Path, header: Sequence[str], needs_case: bool) -> None:
+def _named_rows(content: Any) -> tuple[list[str], list[tuple[str, Sequence[Any]]]]:
+    """Return the names of the columns of a table, and its rows, each with its place in the file."""
+    if isinstance(content, TextRows):
+        return content.names, [(f"line {number}", cells) for number, cells in content.rows]
+    table = table_in(content, {}, None, "the file")
+    if table is None:
+        return [], []
+    names = list(table.headers[0])
+    columns = table.load({str(place): place for place in range(len(names))})
+    rows = zip(*(_cells_of(column) for column in columns.values()), strict=True)
+    return names, [(f"row {number}", row) for number, row in enumerate(rows, 1)]
+
+
+def _cells_of(column: Any) -> list[Any]:
+    """Return a column as numbers and text; None for NaN, which tables have for an empty cell."""
+    cells = np.ravel(np.asarray(column)).tolist()
+    return [None if cell != cell else cell for cell in cells]
+
+
+def _plain_cell(cell: Any) -> Any:
+    """Return a cell with a decimal point if it is a number that a file writes otherwise."""
+    if isinstance(cell, str) and is_number(cell):
+        return plain_number(cell)
+    return cell
+
+
+def _columns_of(header: Sequence[str]) -> dict[str, list[int]]:
+    """Return the places of the columns that are read, by their names in COLUMNS.
+
+    One that does not stand there under its own name has a usual one, such as time for t.
+    """
+    columns: dict[str, list[int]] = {}
+    for place, name in enumerate(header):
+        if name.strip() in COLUMNS:
+            columns.setdefault(name.strip(), []).append(place)
+    taken = {place for places in columns.values() for place in places}
+    enclosed = {column for column in "tx" if f"{column}_low" in columns}
+    for column, usual in USUAL_COLUMNS.items():
+        if column in columns or column in enclosed:
+            continue
+        places = [
+            place
+            for place, name in enumerate(header)
+            if place not in taken and plain(name) in usual
+        ]
+        if places:
+            columns[column] = places
+    return columns
+
+
+def _check_columns(
+    path: Path, header: Sequence[str], columns: Mapping[str, Sequence[int]], needs_case: bool
+) -> None:
     """Raise ResultError if a needed column is missing, or one that is read is there twice."""
     needed = ["kind"]
     if needs_case:
         needed.append("case")
-    if not {"t_low", "t_high"} <= set(header):
+    if not {"t_low", "t_high"} <= columns.keys():
         needed.append("t")
     for column in needed:
-        if column not in header:
-            columns = brief(", ".join(header))
-            raise ResultError(str(path), f"has no column {column}; its columns are {columns}")
-    for column in COLUMNS:
-        if header.count(column) > 1:
-            raise ResultError(str(path), f"has two columns named {column!r}")
+        if column not in columns:
+            listed = brief(", ".join(header))
+            raise ResultError(str(path), f"has no column {column}; its columns are {listed}")
+    for column, places in columns.items():
+        if len(places) > 1:
+            found = " and ".join(repr(header[place]) for place in places)
+            raise ResultError(str(path), f"has two columns for {column}: {found}")
 
 
 def _json_entries(path: Path) -> Iterator[Entry]:

@@ -27,7 +27,7 @@ from symosc.engine.batch import (
     event_buffer,
 )
 from symosc.engine.flow import table_of
-from symosc.engine.start import Start, first_row
+from symosc.engine.start import Start, first_row_in_doubles
 from symosc.engine.state import PAIR_ROW, STATE_ROW
 from symosc.engine.summary import Tally, no_tally
 from symosc.kernels.compiling import is_compiled
@@ -185,7 +185,7 @@ def warm() -> list[Warmed]:
     table = table_of([in_doubles.K])
     batch = batch_of(none)
     out = event_buffer(0)
-    row = np.array([first_row(start, in_doubles)], STATE_ROW)
+    row = np.array([first_row_in_doubles(start)[1]], STATE_ROW)
     # what `tangents` takes: t, theta, x, v and the codes of events; dt, dx, marks, reasons, growth
     columns = *(np.zeros(0),) * 4, *(nothing,) * 3
     changes = (
@@ -218,7 +218,7 @@ def warm() -> list[Warmed]:
             (doubles["doubt_row"], (row, 0, 1, 1.0, table, 0)),
         ],
         "events in double-double numbers": [
-            (pairs.first_pairs, (pair_rows, K)),
+            (pairs.first_pairs, (pair_rows, nothing, K)),
             (
                 pairs.follow_pairs,
                 (nothing, nothing, pair_rows, batch, out, NO_PIECES, K, no_tally(), limits),

@@ -11,6 +11,7 @@ on the motion alone.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from math import isinf
@@ -95,9 +96,10 @@ from symosc.simulation.batch import (
     in_chunks,
     read_workers,
 )
+from symosc.simulation.differentiated import columns_for
 from symosc.simulation.loops import CHOICE, Loops
 from symosc.simulation.motion import MOST_MORE, PAIR_NOISE, fits_pairs
-from symosc.simulation.problems import NumberColumn, Problems
+from symosc.simulation.problems import NumberColumn, ParameterSets, Problems
 from symosc.simulation.simulate import (
     MOST_EVENTS,
     attainable,
@@ -169,8 +171,8 @@ def simulate_many(
         of its columns.
     wrt : str or sequence of str, optional
         Names of parameters, and t0, x0, v0, by which all events are differentiated, as by
-        `symosc.sensitivities`: the table then has dt, dx and regular. At most two belts, whose
-        friction does not depend on speed.
+        `symosc.sensitivities`: the table then has dt, dx and regular. With more than two belts, or
+        friction that depends on speed, this takes about half a millisecond an event.
     skip, sections : optional
         For summaries: the time from t0 on, in the unit of t_end, that is left out as a transient
         (one for all motions, or one for each), and the number of sections that are kept.
@@ -218,15 +220,12 @@ def simulate_many(
                 raise ParameterError(name, value, f"{name} applies to summaries only; {allowed}")
         names: tuple[str, ...] = ()
         if wrt is not None:
-            if not problems.sets.are_plain:
-                raise ParameterError(
-                    "wrt",
-                    wrt,
-                    "is for at most two belts whose friction does not depend on speed; "
-                    "`sensitivities` differentiates a motion under any law",
-                )
             names = read_wrt(wrt, names_of(problems.sets[0]))
-        work = partial(events_of, task, names, use_numba)
+        if names and not problems.sets.are_plain:
+            check_names(names, problems.sets)
+            work = partial(banded_events_of, task, names)
+        else:
+            work = partial(events_of, task, names, use_numba)
     elif wrt is not None:
         raise ParameterError(
             "wrt", wrt, 'wrt applies to events only; omit it, or pass record="events"'
@@ -297,6 +296,7 @@ class Chunk:
         if isinf(task.accuracy):  # decisions exceed their own rounding only, as in `in_doubles`
             self.table["sigmas"] = 0.0
         self._starts = self.batch.states.copy()
+        self._bands = self.batch.sets.copy()
         self._planes = planes_of(self._starts, self.table[self.batch.sets])
         self._keep = keep
         self._needed = attainable(task.accuracy, task.problems.start_error)
@@ -353,9 +353,10 @@ class Chunk:
     def _reset_undecided(self) -> list[int]:
         """Return the numbers of the motions that ended undecided.
 
-        Reset their running summaries to the start.
+        Reset their bands and their running summaries to the start.
         """
         members: list[int] = np.flatnonzero(self.batch.codes <= UNDECIDED).tolist()
+        self.batch.sets[members] = self._bands[members]
         if self._keep and members:
             numbers = self._first + np.array(members)
             again = self._keep(numbers, self._starts[members], self._planes[members])
@@ -383,10 +384,12 @@ class Chunk:
         events_by_motion: dict[int, EventRows] = {}
         numbers = self._first + np.array(members, np.int64)
         sure = self.task.problems.surely_fit_pairs(numbers, self._starts["at"][members], FAR_OFF)
-        groups: dict[int, list[int]] = {}  # motions by parameter set
+        # motions by parameter set: by the first row of its constants
+        groups: dict[int, list[int]] = {}
         for i, surely_fits in zip(members, sure.tolist(), strict=True):
             if surely_fits or fits_pairs(self.problem(i)):
-                groups.setdefault(int(self.batch.sets[i]), []).append(i)
+                band = int(self.batch.sets[i])
+                groups.setdefault(band - int(self.table["row"][band]), []).append(i)
         for group in groups.values():
             parameters = self.task.problems.sets[self._first + group[0]]
             events = joined(self._escalate(parameters, group))
@@ -408,7 +411,7 @@ class Chunk:
         # Pairs go on from their own last state where doubles are in doubt again: a double has 16
         # digits of it only.
         most = self.task.most
-        K = pair_constants(parameters)
+        table = pair_constants(parameters)
         pairs = self._pair_rows(parameters, members)
         tally = select_tallies(self.tally, members)
         states, sets, counts, codes = (column[members] for column in self.batch)
@@ -439,7 +442,7 @@ class Chunk:
                 batch,
                 buffer,
                 engine_batch.NO_PIECES,
-                K,
+                table,
                 tally,
                 limits,
             )
@@ -472,16 +475,19 @@ class Chunk:
         """
         starts = self._starts[members]
         numbers = self._first + np.array(members, np.int64)
-        arithmetic = many_digits(parameters, ROUNDED_FROM)
+        arithmetic = partial(many_digits, parameters, ROUNDED_FROM)
+        phase = arithmetic(0).phase
         pairs = self.task.problems.pair_rows(
-            numbers, starts, lambda t: pairs_as_complex(arithmetic.phase(t)[0])
+            numbers, starts, lambda t: pairs_as_complex(phase(t)[0])
         )
-        CHOICE.of_pairs(len(pairs)).first_pairs(pairs, pair_constants(parameters))
+        bands = self.table["row"][self._bands[members]].astype(np.int64)
+        CHOICE.of_pairs(len(pairs)).first_pairs(pairs, bands, pair_constants(parameters))
         least = np.minimum(abs(starts["Fb"]), abs(starts["Fa"]))
         largest = np.maximum(abs(starts["Fb"]), abs(starts["Fa"]))
         unclear = (starts["at"] > 0) & (least <= SMALL_FORCE * (largest + float(parameters.FN)))
         for i in np.flatnonzero(unclear).tolist():
-            pairs[i] = pairs_as_complex(first_row(self.problem(members[i]), arithmetic))
+            _, row = first_row(self.problem(members[i]), arithmetic)
+            pairs[i] = pairs_as_complex(row)
         return pairs
 
     def _statuses(self) -> list[str]:
@@ -557,6 +563,58 @@ def events_of(
     for part in chunk.rows:
         part.ints[0] += rows.start
     return chunk.rows, chunk.status, changes
+
+
+def check_names(wrt: tuple[str, ...], sets: ParameterSets) -> None:
+    """Raise ParameterError unless each of the parameter sets has the numbers `wrt`."""
+    for row, model in enumerate(sets.given()):
+        names = names_of(model)
+        for name in wrt:
+            if name not in names:
+                raise ParameterError("wrt", name, f"parameters[{row}] has no number {name}")
+
+
+def banded_events_of(
+    task: EnsembleTask,
+    wrt: tuple[str, ...],
+    rows: slice,
+    buffer: EventRows,
+    cancel: CancelToken,
+) -> tuple[list[EventRows], list[str], tuple[np.ndarray, ...]]:
+    """Follow the motions of `rows` one by one: derivatives through bands need their pieces.
+
+    Return what `events_of` returns.
+    """
+    if task.loops.in_threads:
+        pairs = CHOICE.of_pairs(0)
+    else:
+        pairs = None
+    events = list[EventRows]()
+    status = list[str]()
+    shape = (0, len(wrt))
+    # No motions have the columns too, without an entry.
+    changes: list[tuple[np.ndarray, ...]] = [
+        (np.zeros(shape), np.zeros(shape), np.zeros(shape, bool))
+    ]
+    for i in range(rows.start, rows.stop):
+        cancel.check()
+        start = task.problems[i]
+        motion = in_doubles(start, task.most, task.accuracy, loops=pairs)
+
+        def follow(model: Model, start: Start = start) -> Trajectory:
+            return in_doubles(replace(start, parameters=model), task.most, task.accuracy)
+
+        columns = columns_for(motion, start, wrt, follow)
+        dt, dx, marks, *_ = columns.event_derivatives(wrt, len(wrt))
+        changes.append((dt, dx, marks == 1))
+        part = motion.rows()
+        part.ints[0] = i
+        events.append(part)
+        status.append(motion.status)
+    joined_changes = tuple(
+        engine_batch.joined_arrays(list(column)) for column in zip(*changes, strict=True)
+    )
+    return events, status, joined_changes
 
 
 class SummaryRequest:

@@ -49,7 +49,6 @@ from symosc.engine.start import (
     Start,
     begun,
     continued,
-    first_state,
     is_steady,
     last_time,
     rounded,
@@ -73,6 +72,7 @@ from symosc.engine.state import (
 from symosc.engine.summary import no_tally
 from symosc.kernels.entire import EPS
 from symosc.simulation.loops import CHOICE
+from symosc.simulation.trajectory import ELAPSED_ROW
 
 # The errors of an event that pairs may have in `simulate_many`, beside its rounding to doubles, as
 # a part of that.
@@ -113,12 +113,7 @@ def fits_pairs(start: Start) -> bool:
     """Return whether double-double numbers (32 digits) are precise enough for a motion from this
     start.
     """
-    return (
-        start.start_error is None
-        and start.parameters.law.is_plain
-        and start.spare_digits <= PAIR_SPARE
-        and not settles(start)
-    )
+    return start.start_error is None and start.spare_digits <= PAIR_SPARE and not settles(start)
 
 
 class SearchInDoubles:
@@ -403,34 +398,36 @@ class MotionInPairs:
     """A motion in double-double numbers, followed only until doubles can decide its events again."""
 
     # It stops before an event that pairs do not decide, or do not know accurately enough. `rows`
-    # are the constants, one row of them, by which doubles are in doubt.
+    # are the constants by which doubles are in doubt.
 
     def __init__(
         self, start: Start, rows: Sequence[Constants], limits: Limits, loops: PairLoops
     ) -> None:
         self._start = start
-        exact = many_digits(start.parameters, arithmetic.ROUNDED_FROM)
-        state = first_state(start, exact)
+        exact = partial(many_digits, start.parameters, arithmetic.ROUNDED_FROM)
+        number, state = begun(start, exact)
         tables = map(table_of, (rows, rows_in_doubles(start.parameters)))
         self._follow = loops.follow_pairs
-        self._K = arithmetic.pair_constants(start.parameters)
+        self._table = arithmetic.pair_constants(start.parameters)
         self._limits = batch.PairLimits(
             limits.most, limits.accuracy, MOST_EVER, limits.noise, *tables
         )
-        row = batch.row_of(state, *last_time(start, exact))
+        row = batch.row_of(state, *last_time(start, exact(number)))
         self._pairs = np.array([arithmetic.pairs_as_complex(row)], PAIR_ROW)
         in_doubles = np.zeros(1, STATE_ROW)
         in_doubles["t_end"], in_doubles["t_end_low"] = last_time(
             start, Arithmetic(start.parameters)
         )
         in_doubles["t0"] = float(start.t0)
-        self._batch = batch.batch_of(in_doubles)
+        self._batch = batch.batch_of(in_doubles, np.array([number]))
         keep_state(self._batch.states[0], rounded(state, float(start.t0), rows[0].Om_gain))
         self._events = list[EventRows]()
         self._pieces = list[np.ndarray]()
         self.goal = 0  # the number of events to come to
-        self.row = 0
 
+    row = property(
+        lambda self: int(self._batch.sets[0]), doc="The number of the constants of its band."
+    )
     code = property(
         lambda self: int(self._batch.codes[0]), doc="How the motion ended, as a code, or RUNNING."
     )
@@ -447,7 +444,7 @@ class MotionInPairs:
         """Return the state before the first event that pairs cannot decide, with `digits` digits,
         and the number of its constants.
         """
-        finer = many_digits(self._start.parameters, digits)
+        finer = many_digits(self._start.parameters, digits, self.row)
         number = finer.context.mpf
         row = self._pairs[0]
         values = dict[str, Any]()
@@ -455,7 +452,7 @@ class MotionInPairs:
             values[name] = number(float(row[name].real)) + number(float(row[name].imag))
         S = Covariance(*(values.pop(name) for name in Covariance._fields))
         whole = {name: int(values[name]) for name in ("mode", "at", "n")}
-        return 0, continued(State(**(values | whole), S=S), arithmetic.PAIR_EPS, finer)
+        return self.row, continued(State(**(values | whole), S=S), arithmetic.PAIR_EPS, finer)
 
     def reach(self, count: int) -> bool:
         """Follow to `count` events, then until doubles can decide again.
@@ -468,7 +465,15 @@ class MotionInPairs:
             size = 2 * (max(count - self.count, 0) + MOST_MORE)
             out = event_buffer(size)
             pieces = piece_buffer(size)
-            arguments = (self._pairs, self._batch, out, pieces, self._K, no_tally(), self._limits)
+            arguments = (
+                self._pairs,
+                self._batch,
+                out,
+                pieces,
+                self._table,
+                no_tally(),
+                self._limits,
+            )
             rows, parts = self._follow(first, wanted, *arguments)
             self._events.append(rows_between(out, 0, rows))
             self._pieces.append(pieces[:, :parts])
@@ -719,7 +724,9 @@ class FinerMotion:
         if now.count > count:
             now.undo()
         there = now.count == count and now.code != FAILED
-        now.take()
+        _, pieces = now.take()
+        # The last step may have gone on into another band.
+        self.pieces.append(pieces[:, pieces[ELAPSED_ROW] > float(before.elapsed)])
         return there
 
 

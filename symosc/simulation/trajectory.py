@@ -288,6 +288,8 @@ class Trajectory(Drawable):
         ].tolist()
         K = self._rows_of_constants[int(row)]
         tau = max(elapsed - since, 0.0)
+        if v == 0.0 and a == 0.0 and not K.driven:  # at rest, whatever would grow from there
+            tau = 0.0
         turn = K.Om * (tau % K.period if tau > K.period else tau)
         s_Om = sin(turn)
         c_Om = cos(turn)
@@ -338,6 +340,8 @@ class Trajectory(Drawable):
         sine_cosine = own["sine_cosine"]
         _, theta, mode, x, v, a, since, _ = self._pieces[:, pieces]
         tau = np.maximum(elapsed - since, 0.0)
+        if not K.driven:
+            tau[(v == 0.0) & (a == 0.0)] = 0.0
         s0, c0 = sine_cosine(theta)
         drive = sine_cosine(K.Om * np.where(tau > K.period, tau % K.period, tau))
         E0, E1, E2, R2, I2, s_Om, c_Om = own["basis_with_drive"](tau, *drive, K)

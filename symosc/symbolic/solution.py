@@ -167,15 +167,24 @@ def use_relations(expr: Expr) -> Expr:
     """Remove E0, cos(Omega tau) and sin(Omega tau) from an expression by `relations`, and expand
     it.
     """
-    step_response, cosine_response, sine_response = relations()
     expr = sp.expand(expr, trig=True)
-    for relation, unwanted in (
-        (cosine_response, sp.cos(Omega * tau)),
-        (sine_response, sp.sin(Omega * tau)),
-        (step_response, E0),
-    ):
-        expr = sp.expand(expr.xreplace({unwanted: sp.solve(relation, unwanted)[0]}))
+    for unwanted, value in _solved_relations():
+        expr = sp.expand(expr.xreplace({unwanted: value}))
     return expr
+
+
+@cache
+def _solved_relations() -> tuple[tuple[Expr, Expr], ...]:
+    """Return the terms that `use_relations` removes, in order, each with what it is equal to."""
+    step_response, cosine_response, sine_response = relations()
+    return tuple(
+        (unwanted, sp.solve(relation, unwanted)[0])
+        for relation, unwanted in (
+            (cosine_response, sp.cos(Omega * tau)),
+            (sine_response, sp.sin(Omega * tau)),
+            (step_response, E0),
+        )
+    )
 
 
 # --- the flow ---

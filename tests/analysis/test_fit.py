@@ -14,9 +14,21 @@ from bad_values import refused
 from click.testing import CliRunner
 from fit_sets import SIGMA, fit_set, pulls, sampled
 
-from symosc import Parameters, Scene, Trajectory, fit, load_scene, sensitivities, simulate
+from symosc import (
+    Belt,
+    Oscillator,
+    ParameterError,
+    Parameters,
+    Scene,
+    Trajectory,
+    fit,
+    load_scene,
+    sensitivities,
+    simulate,
+)
 from symosc.analysis.fitting import best
 from symosc.cli.app import main
+from symosc.scenes import as_toml
 
 
 def measured(
@@ -425,3 +437,148 @@ def test_the_command(tmp_path: Path) -> None:
         ["fit", "fig5", "no.csv", "--free", "mu1"],
     ):
         assert run(main, arguments).exit_code == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("t,kind\n0.1,stick\n1.2,jump\n4.7,stick", r"kind\[1\] = 'jump': must be .* \(line 3\)"),
+        ("t,kind\nabc,stick", r"t\[0\] = 'abc': is not a number \(line 2\)"),
+        ("t,x\nabc,def", r"t\[0\] = 'abc': is not a number \(line 2\)"),
+        ("t,kind\n0.1,stick\n1.2\n4.7,stick", "row 3 has 1 entry, and the others have 2"),
+        ("t,kind\n0.1,stick\n1.2,\n4.7,stick", r"kind\[1\] = '': must be .* \(line 3\)"),
+        ("t,x\n0,0\n0.1,abc", r"x\[1\] = 'abc': is not a number \(line 3\)"),
+        ("t,kind\n", "no rows"),
+    ],
+)
+def test_what_is_damaged_in_a_file_is_said_with_its_line(
+    text: str, message: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "run.csv"
+    file.write_text(text)
+    with pytest.raises(ParameterError, match=message):
+        fit("fig5", file, "mu1")
+
+
+# -- any friction law ----------------------------------------------------------------------------
+
+DRIVEN: dict[str, Any] = {"m": 1, "c": "1/20", "k": 1, "B0": "3/10", "Omega": "7/10"}
+STATIC = Oscillator(**DRIVEN, belts=[Belt("1/5", "1/2", mu_s="4/5"), Belt("3/2", "1/10")])
+STRIBECK = Oscillator(
+    **DRIVEN,
+    belts=[Belt("1/2", curve=[(0, "1/2"), ("1/2", "3/10"), ("3/2", "1/5")], mu_s="3/5")],
+)
+RECOVERED = {
+    "static": (STATIC, {"mu_s1": 0.75, "mu1": 0.53, "v1": 0.21}),
+    "a curve": (STRIBECK, {"mu1_1": 0.33, "w1_1": 0.47}),
+    "points in order": (STRIBECK, {"w1_1": 0.6, "w1_2": 1.3, "mu_s1": 0.63}),
+}
+
+
+@pytest.mark.parametrize("form", ["events", "samples"])
+@pytest.mark.parametrize("law", RECOVERED)
+def test_numbers_of_other_laws_are_recovered(law: str, form: str) -> None:
+    """Within the errors, and with as large a sum of squares as its distribution says."""
+    model, first = RECOVERED[law]
+    scene = Scene("made", model, 0, 1, 0, 60)
+    motion = simulate(scene)
+    truth = {name: float(model.numbers()[name]) for name in first}
+    times = np.linspace(0.1, 60, 120)
+    pulls = []
+    squares = 0.0
+    free = 0
+    for seed in range(4):
+        dice = np.random.default_rng(seed)
+        data: Any = [(event.t + 1e-3 * dice.normal(), event.kind) for event in motion.events]
+        if form == "samples":
+            x, v = motion(times)
+            data = {
+                "t": times,
+                "x": x + 1e-3 * dice.normal(size=len(times)),
+                "v": v + 1e-2 * dice.normal(size=len(times)),
+            }
+        found = fit(scene, data, tuple(first), sigma=(1e-3, 1e-2), start=first)
+        assert found.success, found.message
+        pulls += [(found.values[name] - truth[name]) / found.errors[name] for name in first]
+        squares += float(found.residuals @ found.residuals)
+        free += len(found.residuals) - len(first)
+    assert max(map(abs, pulls)) < 4
+    assert abs(squares - free) < 4 * math.sqrt(2 * free)
+
+
+def test_errors_of_other_laws_are_those_of_linear_theory() -> None:
+    names = ("mu_s1", "w1_1", "mu1_1")
+    scene = Scene("made", STRIBECK, 0, 1, 0, 60)
+    times = np.linspace(0.1, 60, 80)
+    dice = np.random.default_rng(5)
+    noise = 1e-4 * dice.normal(size=len(times))
+    step = Fraction(1, 10**6)
+    numbers = STRIBECK.numbers()
+    columns = []
+    for name in names:  # differences of motions
+        ends = [
+            simulate(replace(scene, parameters=STRIBECK.replace(**{name: numbers[name] + by})))
+            for by in (step, -step)
+        ]
+        columns.append((ends[0](times)[0] - ends[1](times)[0]) / (2 * float(step)))
+    moves, errors = linear_theory(np.transpose(columns), noise, 1e-4)
+    data = {"t": times, "x": simulate(scene)(times)[0] + noise}
+    found = fit(scene, data, names, sigma=1e-4)
+    assert list(found.errors.values()) == pytest.approx(errors, rel=1e-3)
+    truth = np.array([float(numbers[name]) for name in names])
+    pulls = (np.array(list(found.values.values())) - truth) / errors
+    assert pulls == pytest.approx(moves, abs=0.02)
+
+
+def test_numbers_stay_in_order() -> None:
+    """Where the data want static friction below kinetic friction, they meet, from any start."""
+    coulomb = Oscillator(**DRIVEN, belts=[Belt("1/5", "1/2"), Belt("3/2", "1/10")])
+    scene = Scene("made", coulomb, 0, 1, 0, 60)
+    below = [
+        (event.t - 0.03 * (event.kind == "slip"), event.kind) for event in simulate(scene).events
+    ]
+    free = ("mu_s1", "mu1", "c")
+    best = fit(scene, below, ("mu1", "c"), sigma=0.05)
+    for first in (0.55, 0.6):
+        found = fit(scene, below, free, sigma=0.05, start={"mu_s1": first})
+        assert 0 <= found.values["mu_s1"] - found.values["mu1"] < 1e-5
+        assert found.values["mu1"] == pytest.approx(best.values["mu1"], abs=1e-5)
+        assert np.sum(found.residuals**2) == pytest.approx(np.sum(best.residuals**2), rel=1e-4)
+    fixed = fit(scene, below, "mu_s1", sigma=0.05, start={"mu_s1": 0.6})
+    assert 0.5 <= fixed.values["mu_s1"] < 0.501
+
+
+def test_a_start_out_of_order_is_one_sentence() -> None:
+    data = [(1.0, "slip"), (3.0, "stick")]
+    for name, value, message in (
+        ("mu_s1", 0.4, r"mu_s1.*must be at least mu = 0.5"),
+        ("w1_1", 1.6, r"w1_2.*must be greater than 1.6"),
+        ("mu1_1", -0.1, r"mu1_1.*must be >= 0"),
+        ("slope1", -1, r"slope1.*must be >= 0"),
+        ("w2_1", 1, r"free.*must be one of .*w1_1"),
+    ):
+        with pytest.raises(ParameterError, match=message) as refusal:
+            fit(STRIBECK, data, name, start={name: value})
+        assert "\n" not in str(refusal.value)
+    coulomb = Oscillator(**DRIVEN, belts=[Belt("1/5", "1/2")])
+    with pytest.raises(ParameterError, match=r"mu_s1.*is equal to mu1; begin above it with start="):
+        fit(coulomb, data, "mu_s1")
+    with pytest.raises(ParameterError, match=r"slope1.*does not depend on speed; begin with"):
+        fit(coulomb, data, "slope1")
+
+
+def test_the_command_fits_a_curve(tmp_path: Path) -> None:
+    scene = Scene("made", STRIBECK, 0, 1, 0, 60)
+    (tmp_path / "mine.toml").write_text(as_toml(scene) + "\n", encoding="utf-8")
+    rows = [f"{event.t},{event.kind}" for event in simulate(scene).events]
+    (tmp_path / "stops.csv").write_text("\n".join(["t,kind", *rows]))
+    files = [str(tmp_path / name) for name in ("mine.toml", "stops.csv")]
+    options = ["--free", "mu1_1,mu_s1", "--start", "mu1_1=0.33", "--sigma", "1e-3"]
+    picture = ["--plot", str(tmp_path / "fit.png")]
+    said = CliRunner().invoke(main, ["fit", *files, *options, *picture])
+    assert said.exit_code == 0, said.output
+    assert [line.split()[:2] for line in said.output.splitlines() if line.startswith("mu")] == [
+        ["mu1_1", "0.3"],
+        ["mu_s1", "0.6"],
+    ]
+    assert (tmp_path / "fit.png").stat().st_size > 1000

@@ -32,6 +32,7 @@ from symosc.crosschecks.reading import files, formats
 from symosc.crosschecks.reading import text as text_tables
 from symosc.crosschecks.reading.files import PACKED, SUFFIXES
 from symosc.crosschecks.reading.formats import has_wrong_tags
+from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.crosschecks.reading.text import read_text
 
 # -- formats ---------------------------------------------------------------------------------------
@@ -249,6 +250,27 @@ def test_columns_of_a_table_are_found_however_it_is_laid_out(tmp_path: Path) -> 
 def read(content: str, **asked: str | None) -> dict[str, np.ndarray]:
     file = io.BufferedReader(io.BytesIO(content.encode()))  # type: ignore[arg-type]
     return read_text(file, "here").chosen(asked, "here")
+
+
+NOTES = {
+    "t,x,v": [],
+    "t,x,v,a": ["names without a column are left out: a"],
+    "0,1,2": ["the first line is taken for names, not for a sample: 0, 1, 2"],
+    "t,y,dy": ["x is the column y; say so by --columns x=... if it is another"],
+    ",x,v": ["t is the first column, which has no name"],
+}
+
+
+@pytest.mark.parametrize("header", NOTES)
+def test_a_note_says_what_was_not_sure(header: str, tmp_path: Path) -> None:
+    rows = [f"{t},{x},{v}" for t, x, v in zip(T.tolist(), X.tolist(), V.tolist(), strict=True)]
+    path = tmp_path / "mine.csv"
+    path.write_text("\n".join([header, *rows]))
+    (samples,) = read_solutions(path)
+    assert list(samples.notes) == NOTES[header]
+    # What the user says is sure.
+    (samples,) = read_solutions(path, {"t": "1", "x": "2", "v": "3"})
+    assert not [note for note in samples.notes if note.startswith(("x is", "t is"))]
 
 
 def test_numbers_are_read_however_they_are_written() -> None:

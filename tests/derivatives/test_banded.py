@@ -24,8 +24,8 @@ from symosc import (
     simulate,
     simulate_many,
 )
-from symosc.derivatives.law_gradients import LawGradients, with_all_points
 from symosc.model import OSCILLATOR_NAMES
+from symosc.simulation.law_gradients import LawGradients, with_all_points
 
 STEP = Fraction(1, 10**15)
 EVENTS = 12
@@ -285,9 +285,40 @@ def test_exponent_of_a_stick_slip_motion() -> None:
     assert short(20.0)[:, 0] == pytest.approx(by_x0, abs=1e-7)
 
 
-def test_many_motions_at_once_refuse_such_laws() -> None:
-    with pytest.raises(ParameterError, match=r"wrt.*at most two belts.*`sensitivities`"):
-        simulate_many(STRIBECK, [(0, 0, 0)], 1, wrt="x0", use_numba=False)
+def test_many_motions_at_once() -> None:
+    """Against differences of runs with 40 digits, and the same bits as one motion."""
+    names = ("w2_1", "mu_s2", "v2", "x0")
+    plain = STRIBECK.replace(belts=[Belt("-6/5", "1/7"), Belt("1/2", "1/3", mu_s="1/2")])
+    rows = [("1/10", 1, "3/10"), (0, -1, 0), ("1/5", "1/2", 2)]
+    table = simulate_many(STRIBECK, rows, 15, wrt=names, use_numba=False)
+    for number, (t0, x0, v0) in enumerate(rows):
+        start = {"t0": t0, "x0": x0, "v0": v0, "t_end": 15}
+        own = table[number]
+        alone = sensitivities(STRIBECK, names, **start)
+        assert own.t.tolist() == [event.t for event in alone.trajectory.events]
+        assert len(own) >= 6
+        assert (own.dt == alone.dt).all()
+        assert (own.dx == alone.dx).all()
+        assert own.regular.all()
+        for n, name in enumerate(names):
+            exact = differences(STRIBECK, start, name).astype(float)
+            found = np.stack([own.dt[:, n], own.dx[:, n]], axis=1)[: len(exact)]
+            assert abs(found - exact).max() < 1e-10 * max(1, abs(exact).max())
+    several = [plain, STRIBECK.replace(belts=STRIBECK.belts[:2])]
+    both = simulate_many(several, [(0, 1, 0)] * 2, 15, wrt=("mu2", "x0"), use_numba=False)
+    for number, model in enumerate(several):
+        alone = sensitivities(model, ("mu2", "x0"), x0=1, t_end=15)
+        assert abs(both[number].dt - alone.dt).max() < 1e-12
+        assert abs(both[number].dt).max() > 0
+    none = simulate_many(STRIBECK, np.zeros((0, 3)), 15, wrt=names, use_numba=False)
+    assert none.dt.shape == (0, 4)
+
+
+def test_many_motions_by_a_number_that_one_of_them_lacks() -> None:
+    flat = STRIBECK.replace(belts=[Belt(0, 1)])
+    curved = STRIBECK.replace(belts=[Belt(0, curve=[(0, 1), (1, "1/2")])])
+    with pytest.raises(ParameterError, match=r"parameters\[1\] has no number w1_1"):
+        simulate_many([curved, flat], (0, 0, 0), 1, wrt="w1_1", use_numba=False)
 
 
 def test_names_are_those_of_the_curve() -> None:

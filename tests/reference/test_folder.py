@@ -14,6 +14,7 @@ from math import inf, pi
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from small_set import small_set
 
@@ -251,6 +252,9 @@ def test_one_csv_for_all_cases(tmp_path: Path) -> None:
         "﻿kind,t,boundary,x,comment\nslip,225e-2,,,later\n\nstick,1.5,1,-2,\n",
         "t_low,t_high,x_low,x_high,kind,boundary\n1.4,1.6,-3,-1,stick,1\n2.25,2.25,,,slip,\n",
         't,x,kind,boundary\r\n"1.5","-2","stick","1"\r\n2.25,,slip,\r\n9,,end,\r\n',
+        "t;x;kind;boundary\n1,5;-2;stick;1\n2,25;;slip;\n",
+        "# my solver\nTime (s)\tPosition\tevent\tbelt\n1.5\t-2\tstick\t1\n2.25\t\tslip\t\n",
+        "t,x,kind,boundary,\n1.5d0,-2,stick,1,\n0.225e1,,slip,,\n",
     ],
 )
 def test_a_folder_of_csv_files(text: str, tmp_path: Path) -> None:
@@ -261,6 +265,19 @@ def test_a_folder_of_csv_files(text: str, tmp_path: Path) -> None:
     (tmp_path / "two").mkdir()
     (tmp_path / "one.csv").rename(tmp_path / "two" / "events.csv")
     assert read_results(tmp_path, NAMES)["two"].events == EVENTS
+
+
+def test_a_table_in_any_format(tmp_path: Path) -> None:
+    columns = {
+        "time": [1.5, 2.25, 9.0],
+        "x": [-2.0, np.nan, np.nan],
+        "kind": ["stick", "slip", "end"],
+        "belt": [1, 0, 0],
+        "case": ["one"] * 3,
+    }
+    np.savez(tmp_path / "all.npz", **{name: np.array(values) for name, values in columns.items()})
+    result = read_results(tmp_path / "all.npz", NAMES)["one"]
+    assert (result.events, result.end) == (EVENTS, 9)
 
 
 EVENT_LIST = [
@@ -299,17 +316,17 @@ def test_numbers_keep_all_their_digits(tmp_path: Path) -> None:
 BROKEN = {
     "  \n\n": "is empty",
     "time,what\n1,stick\n": "has no column kind; its columns are time, what",
-    "t;x;kind\n1,5;2;stick\n": "has no column kind; its columns are t;x;kind",
-    "t,t,kind\n1,1,stick\n": "has two columns named 't'",
+    "t,t,kind\n1,1,stick\n": "has two columns for t: 't' and 't'",
+    "time,zeit,kind\n1,1,stick\n": "has two columns for t: 'time' and 'zeit'",
     "t,kind\n1,stick\nnan,slip\n": "line 3: t = 'nan': must be finite",
     "t,kind\n,stick\n": "line 2: it has no t",
     "t,kind\n1,jump\n": "line 2: kind is 'jump'",
     "t,kind,boundary\n1,stick,1.5\n": "line 2: boundary is '1.5'",
     "t,kind,boundary\n1,stick,one\n": "line 2: boundary = 'one'",
-    "t,x,kind\n1,2\n": "line 2: it has 2 entries, and the header has 3",
+    "t,x,kind\n1,2\n": "row 2 has 2 entries, and the others have 3",
     "t,kind,seconds\n1,stick,-1\n": "line 2: seconds = -1: must be >= 0",
-    't,kind\n1,"stick\n': "line 2: unexpected end of data",
-    "t,kind\n1,st\0ick\n": "line 2: ",
+    't,kind\n1,"stick\n': "cannot be read: unexpected end of data",
+    "t,kind\n1,st\0ick\n": "it is not text in lines",
 }
 
 
@@ -359,9 +376,13 @@ def test_files_that_belong_to_no_case(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="does not exist"):
         read_results(tmp_path / "nothing", NAMES)
     (tmp_path / "notes.txt").write_text("in a folder it is not read")
+    (tmp_path / "all.md").write_text("t,kind\n")
+    with pytest.raises(ResultError, match=r"must end in \.csv, \.tsv"):
+        read_results(tmp_path / "all.md", NAMES)
     (tmp_path / "all.mat").write_text("t,kind\n")
-    with pytest.raises(ResultError, match=r"must end in \.csv or \.json"):
+    with pytest.raises(ResultError, match="not a readable MATLAB file"):
         read_results(tmp_path / "all.mat", NAMES)
+    (tmp_path / "all.mat").unlink()
     (tmp_path / "all.csv").write_text("case,t,kind\nthree,1,stick\n")
     with pytest.raises(ResultError, match="has results for 'three', which is no case"):
         read_results(tmp_path / "all.csv", NAMES)
@@ -371,7 +392,7 @@ def test_files_that_belong_to_no_case(tmp_path: Path) -> None:
     with pytest.raises(ResultError, match="is named 'all', which is no case"):
         read_results(tmp_path, NAMES)
     (tmp_path / "all.csv").write_bytes(b"t,kind\n\xff\xfe,stick\n")
-    with pytest.raises(ResultError, match="it is not text in UTF-8"):
+    with pytest.raises(ResultError, match="has no column case"):
         read_results(tmp_path / "all.csv", NAMES)
     (tmp_path / "all.csv").unlink()
     (tmp_path / "one").mkdir()

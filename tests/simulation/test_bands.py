@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,14 @@ from symosc.kernels.entire import basis
 LAW: dict[str, Any] = {"m": 1, "c": "1/5", "k": 1, "B0": 1, "Omega": 1}
 #: The speeds of its edges: -3, -1, 2 (the belt), 5, 7.
 FALLING = Belt(2, curve=[(0, 1), (3, "1/2"), (5, "2/5")], mu_s="6/5")
+
+
+#: t0, x0, v0 of a motion that misses the speed 2/5 of a belt by 1e-18.
+NEAR_TOUCH = (
+    "6.34082617218144006126323449676026039295973851508700970521907",
+    "-0.0427380582497395561956936006906575845624930606830406885332805",
+    "0.399137439376410884170319355593146261504654155364551952323288",
+)
 
 
 def coefficient(w: float) -> float:
@@ -98,6 +107,35 @@ def test_summaries_are_those_of_the_motion() -> None:
         assert summary.section[n, -1] == pytest.approx(motion(2 * np.pi * 12), abs=1e-9)
 
 
+@pytest.mark.compiled("pairs")
+def test_double_double_numbers_follow_a_motion_from_band_to_band() -> None:
+    """No double is accurate to 1e-17, so each event is found in pairs: to its last bit."""
+    pytest.importorskip("numba")
+    oscillator = Oscillator(**LAW, belts=[FALLING, Belt(4, mu="1/5")])
+    # The second starts on the corner at the speed -1.
+    starts = [(0, 6, -1), (0, "-3/2", -1), (0, 1, "9/2")]
+    rough = simulate_many(oscillator, starts, 60, accuracy=1e-17)
+    pairs = simulate_many(oscillator, starts, 60, accuracy=1e-17, use_numba=True)
+    assert len(pairs) > 60
+    assert np.abs(pairs.t - rough.t).max() <= 2**-52 * 60
+    for n, (t0, x0, v0) in enumerate(starts):
+        known = simulate(oscillator, t0=t0, x0=x0, v0=v0, t_end=60, digits=30).events
+        assert pairs.kind[pairs.trajectory == n].tolist() == [event.kind for event in known]
+        for name, values in (("t", pairs.t), ("x", pairs.x)):
+            expected = np.array([float(getattr(event, name)) for event in known])
+            assert np.abs(values[pairs.trajectory == n] - expected).max() <= 2**-52 * 60
+    summaries = [
+        simulate_many(oscillator, starts, 60, record="summary", use_numba=True, accuracy=accuracy)
+        for accuracy in (1e-17, None)
+    ]
+    for name, column in summaries[0].columns().items():
+        in_doubles = summaries[1].columns()[name]
+        if column.dtype.kind == "f":
+            assert column == pytest.approx(in_doubles, rel=1e-11, abs=1e-11), name
+        else:
+            assert (column == in_doubles).all(), name
+
+
 def test_a_motion_that_dies_away_on_a_corner_comes_to_rest() -> None:
     """The belt's corner has the speed 0: every swing crosses it twice, until nothing is left."""
     law = Oscillator(m=1, c="1/5", k=1, belts=[Belt(2, curve=[(0, 1), (2, "4/5"), (5, "9/10")])])
@@ -109,6 +147,64 @@ def test_a_motion_that_dies_away_on_a_corner_comes_to_rest() -> None:
         assert (x, v) == pytest.approx((0.8, 0), abs=1e-12)
     exactly = simulate(law, x0="4/5", v0=0, t_end=1000)
     assert (exactly.status, len(exactly.events)) == ("equilibrium", 0)
+
+
+def test_a_motion_dies_away_on_a_corner_with_a_growing_side_if_it_shrinks_more_on_the_other() -> (
+    None
+):
+    """In a turn it shrinks by exp(-pi (c_1/w_1 + c_2/w_2)), where w_j = sqrt(4 m k - c_j^2)."""
+
+    def law(below: str, c: str = "1/4") -> Oscillator:
+        belt = Belt("23/10", curve=[(0, "9/10"), ("23/10", "7/5"), ("46/10", below)])
+        return Oscillator(m=2, c=c, k="12/5", A0="2/7", belts=[belt])
+
+    start: dict[str, Any] = {"x0": "71/100", "v0": 0, "t_end": 20_000, "accuracy": inf}
+    motion = simulate(law("2/5"), **start)
+    c = [float(law("2/5").bands[n].c) for n in (1, 2)]
+    assert motion.status == "equilibrium"
+    centre = (2 / 7 + 7 / 5) / 2.4
+    assert motion(19_999) == pytest.approx([centre, 0], abs=1e-12)
+    assert max(c) > 0 > min(c)
+    rates = [np.sqrt(4 * 2 * 2.4 - value**2) for value in c]
+    turn = 2 * np.pi * 2 * (1 / rates[0] + 1 / rates[1])
+    shrinking = np.exp(-np.pi * (c[0] / rates[0] + c[1] / rates[1]))
+    first, later = motion([0, 10 * turn])[0] - centre
+    assert later / first == pytest.approx(shrinking**10, rel=1e-9)
+    # Where it grows more than it shrinks, it leaves.
+    growing = simulate(law("1/10", c="1/10"), **(start | {"t_end": 500}))
+    assert len(growing.events) > 10
+    assert growing.status == "t_end"
+
+
+def test_a_mass_at_rest_in_a_growing_band_stays_however_long() -> None:
+    """What would grow from there by exp(7000) is 0."""
+    belt = Belt(2, curve=[(0, "3/5"), (2, "19/10"), (4, 0)], slope="2/5")
+    law = Oscillator(m="9/5", c="7/10", k="2/5", A0="-6/7", belts=[belt])
+    motion = simulate(law, x0="73/28", t_end=100_000)
+    assert motion([99_999.0, 100_000.0]).tolist() == motion([0.0, 1.0]).tolist()
+    assert motion(99_999).tolist() == [73 / 28, 0.0]
+
+
+def test_the_band_behind_a_touch_that_more_digits_decide_is_not_lost() -> None:
+    """The mass misses the belt by 1e-18 of its speed, then falls through the corner at v = 0.32."""
+    belt = Belt("2/5", curve=[(0, "2/25"), ("2/25", "2/25")], slope="1/10")
+    numbers: dict[str, Any] = {"m": "62/25", "c": "111/250", "k": "243/50", "B0": "-257/5000"}
+    law = Oscillator(**numbers, Omega="97/100", FN="7/5", belts=[belt])
+    start: dict[str, Any] = {
+        "t0": Fraction(NEAR_TOUCH[0]), "x0": Fraction(NEAR_TOUCH[1]), "v0": Fraction(NEAR_TOUCH[2]),
+    }  # fmt: skip
+    end = start["t0"] + 30
+    rough = simulate(law, **start, t_end=end)
+    exact = simulate(law, **start, t_end=end, digits=40)
+    assert len(rough.events) == len(exact.events) == 0
+    times = np.linspace(float(rough.t_start), float(end), 50)
+    assert np.abs(rough(times) - exact(times)).max() < 1e-12
+    solved = solve_ivp(
+        lambda t, y: [y[1], (-257 / 5000 * np.cos(0.97 * t) - 0.444 * y[1] - 4.86 * y[0]
+            + 1.4 * (0.08 + 0.1 * max(0.0, 0.32 - y[1]))) / 2.48],
+        times[[0, -1]], [float(start["x0"]), float(start["v0"])], rtol=1e-11, atol=1e-13, t_eval=times,
+    )  # fmt: skip
+    assert np.abs(rough(times) - solved.y).max() < 1e-8
 
 
 def test_a_growing_band_is_left() -> None:

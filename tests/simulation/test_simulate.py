@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from fractions import Fraction
 from functools import cache
-from math import pi
+from math import cos, pi
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import mpmath
 import pytest
 from agreement import assert_agrees, assert_event_agrees
 from oracle import OracleRun, simulate_oracle
+from scipy.integrate import solve_ivp
 
 from symosc import Parameters, load_scene, simulate
 
@@ -207,3 +208,37 @@ def test_an_end_on_an_event_is_reached() -> None:
     motion = simulate(p, **start, t_end=7.401873650741911)
     assert [event.kind for event in motion.events] == ["cross", "cross"]
     assert all(0 < event.x_error < 1e-13 for event in motion.events)
+
+
+def test_a_motion_goes_on_with_another_force_as_the_page_on_models_says() -> None:
+    p = load_scene("fig5").parameters
+    whole = simulate(p, t_end=9)
+    t, x, v = 0, 0, 0
+    events = []
+    for t_end in (2, 5, 9):  # in flight, in a stick
+        piece = simulate(p, t0=t, x0=x, v0=v, t_end=t_end)
+        events += piece.events
+        t = t_end
+        x, v = piece(t)
+    assert [event.kind for event in events] == [event.kind for event in whole.events]
+    for event, other in zip(events, whole.events, strict=True):
+        assert abs(event.t - other.t) < 1e-13
+    # The flight after a step of the force, by another integrator.
+    x, v = simulate(p, t_end=4)(4)
+    piece = simulate(p.replace(A0=-11), t0=4, x0=x, v0=v, t_end=5)
+    force = -11 + (float(p.mu1) + float(p.mu2)) * float(p.FN)
+
+    def belt(t: float, y: Any) -> float:
+        return float(y[1] - 1)
+
+    belt.terminal = True  # type: ignore[attr-defined]
+    flight = solve_ivp(
+        lambda t, y: (y[1], force + 10 * cos(t) - y[1] - y[0]),
+        (4, 5),
+        (x, v),
+        "DOP853",
+        events=belt,
+        rtol=1e-12,
+        atol=1e-12,
+    )
+    assert abs(piece.events[0].t - flight.t[-1]) < 1e-9

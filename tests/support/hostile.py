@@ -183,11 +183,13 @@ VALID: dict[str, set[str]] = {
         NUMBER,
     ),
     **_each(
-        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase",
+        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, pull, Y, Y_phase, W, W_phase",
         NUMBER,
     ),
     **_each("Belt v, Belt mu, Belt mu_s, Belt.replace mu, Oscillator.replace mu_s1", NUMBER),
-    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s, until", NUMBER),
+    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s", NUMBER),
+    "until": NUMBER | PAIRS,
+    "doublings": {"3", "array_0_whole"},
     "Belt.from_function mu": {"lambda"},
     "pieces": {"3", "array_0_whole"},
     **_each("g, angle, atlas prove, atlas seconds, grazing_start periods", NUMBER),
@@ -230,7 +232,11 @@ VALID: dict[str, set[str]] = {
     **_each(
         "p, parameters, sweep scene, sweep_status scene, crosscheck scene, simulate scene", BOTH
     ),
-    **_each("atlas what, frequency_response what, fit what, sensitivities what", BOTH),
+    **_each(
+        "atlas what, attractors what, bifurcation what, return_map what, frequency_response what, "
+        "fit what, sensitivities what",
+        BOTH,
+    ),
     **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
     "certify what": BOTH | {"Atlas"},
     **_each("first, second, figsize", PAIRS),
@@ -252,13 +258,18 @@ VALID: dict[str, set[str]] = {
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
-    "data": ("file", "path", "t", "kind", "x", "v"),
+    "data": ("file", "path", "t", "kind", "x", "v", "column", "function", "solution"),
+    "curve": ("mu",),
+    "law": ("quantity",),
+    "quantity": ("law",),
     "end": ("x_j", "theta_j"),
+    "events": ("t of events",),
     "first": ("Omega",),
     "given": ("a",),
     "high": ("Omega",),
     "low": ("Omega",),
     "m": ("v2",),
+    "mu": ("curve", "mu_s"),
     "Omega": ("v2",),
     "phase": ("angle",),
     "Y_phase": ("angle",),
@@ -270,6 +281,7 @@ CALLED = {
     "start": ("x_i", "theta_i"),
     "t_end": ("skip",),
     "t": (
+        "DataArray",
         "MaskedConstant",
         "column",
         "file",
@@ -335,6 +347,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "line": lambda: symosc.sweep(
         "fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"
     ),
+    "attractors": lambda: symosc.attractors(P9, {"x0": [0, 1], "v0": [0, 1]}, t_end="40T"),
     "scores": _scores,
     "drawing": lambda: plot.figure("fig6", panels="a"),
 }
@@ -380,6 +393,12 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "simulate": (s.simulate, {"scene": P5, **start, "max_events": 3}),
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
         "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
+        "attractors": (s.attractors, {"what": P9, "starts": [(0, 0, 0)], "t_end": "40T"}),
+        "bifurcation": (
+            s.bifurcation,
+            {"what": P9, "over": {"Omega": [4, 4.1]}, "sections": 2, "skip": 2},
+        ),
+        "return_map": (s.return_map, {"what": P9, "points": 8}),
         "frequency_response": (s.frequency_response, {"what": "fig9", "over": {"Omega": [4]}}),
         "fit": (
             s.fit,
@@ -440,6 +459,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "sweep": (s.sweep, swept),
         "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
         "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
+        "plot.attractors_figure": (plot.attractors_figure, {"found": made("attractors")}),
         "plot.sweep_figure": (
             plot.sweep_figure,
             grazes | {"name": "Omega", "low": "0.1", "high": 4},
@@ -452,6 +472,10 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Belt.from_function": (
             s.Belt.from_function,
             {"v": 1, "mu": lambda w: 1, "until": 2, "pieces": 3, "mu_s": 2},
+        ),
+        "law_error": (
+            s.law_error,
+            {"law": lambda n: n, "quantity": lambda n: 1 / n**2, "pieces": 3},
         ),
         "plot.friction_figure": (plot.friction_figure, {"p": P9, "v": (0, 6)}),
     }

@@ -287,10 +287,16 @@ STATEMENTS: list[tuple[Any, str, Any, Callable[[], Evidence], str]] = [
 ]
 
 
+def _forget() -> None:
+    """Forget what claims share of the printed statements."""
+    theorem_7.rows_of.cache_clear()
+    theorems.lemma.cache_clear()
+
+
 def evidence(number: int) -> Evidence:
     """Return the evidence if the paper says something else."""
     module, name, instead, check, verdict = STATEMENTS[number]
-    theorem_7.rows_of.cache_clear()
+    _forget()
     try:
         if isinstance(module, dict):
             patched = patch.dict(module, {name: instead})
@@ -299,6 +305,6 @@ def evidence(number: int) -> Evidence:
         with patched:
             found = check()
     finally:
-        theorem_7.rows_of.cache_clear()
+        _forget()
     assert found.verdict == verdict
     return found

@@ -73,10 +73,10 @@ class Search:
     """
 
     def __init__(self, problem: FitProblem, first: np.ndarray) -> None:
-        p = problem.scene.parameters.parameters
+        speeds = [float(belt.v) for belt in problem.scene.parameters.law.belts]
         self.problem = problem
         self.first = first
-        self.digits = rounding(problem.measured, [float(p.v1), float(p.v2)])
+        self.digits = rounding(problem.measured, speeds)
         self.places = units(problem, self.digits)
         self.is_wide = False
         self.tolerant: Minimum | None = None

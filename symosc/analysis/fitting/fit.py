@@ -35,11 +35,13 @@ from symosc.base.arguments import (
 from symosc.base.display.drawable import Comparable, Drawable
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import read_exact
-from symosc.base.quantities import read_number
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.base.quantities import NumberOfBelt, number_of_belt, read_number
+from symosc.engine.start import Start
+from symosc.model import Model, Oscillator
 from symosc.scenes import STARTS, Scene, scene_of
 from symosc.simulation.simulate import read_start
 from symosc.simulation.tables import counted
+from symosc.simulation.tangents import names_of
 from symosc.simulation.trajectory import Trajectory
 
 
@@ -95,7 +97,7 @@ class Fit(Comparable, Drawable):
 
 @public
 def fit(
-    what: Scene | Parameters | SceneName,
+    what: Scene | Model | SceneName,
     data: SolutionLike,
     free: str | Sequence[str] = ("mu1", "c"),
     *,
@@ -108,19 +110,22 @@ def fit(
 
     Parameters
     ----------
-    what : Scene, or its name or its file
+    what : Scene, or its name or its file; Parameters or Oscillator
         The motion; what is not free is kept. Parameters begin at rest at t = 0.
     data : table, sequence of rows, solver result, or path of a file
         Columns t and kind ("cross", "stick", "slip" or "graze"), of events in any number; or t and
         x, or t, x and v, of samples. Rows are (t, kind) or (t, x) or (t, x, v). Files and names of
         columns such as time, pos and vel are read as `symosc.crosscheck` reads them.
     free : str or sequence of str
-        Names of parameters, and t0, x0, v0.
+        Names of parameters, and t0, x0, v0. Those of an `Oscillator` are mu_s1, w1_1, mu1_1,
+        slope1 and so on. Numbers that must be in order, such as mu1 and mu_s1 or the points of a
+        curve, stay in order.
     sigma : number, or two for x and v, optional
         Standard deviation of the times of events, or of the positions (and velocities). None: from
         the residuals.
     start : mapping, optional
-        First values of free numbers, in place of those of `what`. If the minimum next to them does
+        First values of free numbers, in place of those of `what`. A static coefficient of a belt
+        that has none begins above the kinetic one: ``start={"mu_s1": 0.6}``. If the minimum next to them does
         not describe the data, the fit tries others that are up to 1.5 times as large or as small,
         always the same ones.
     robust : bool
@@ -151,7 +156,7 @@ def fit(
     >>> abs(found.values["mu1"] - 0.8) < 3 * found.errors["mu1"]
     True
     """
-    scene = scene_of(what, "what")
+    scene = scene_of(what, "what", any_law=True)
     require(SOLUTION, data=data)
     require(*NAMES, free=free)
     require_or_none(NUMBER, sequence_of(NUMBER), sigma=sigma)
@@ -162,36 +167,67 @@ def fit(
         names: tuple[str, ...] = (free,)
     else:
         names = tuple(free)
-    known = (*PARAMETER_NAMES, *STARTS)
-    for argument, given_names in (("free", names or ("",)), ("start", start or {})):
+    _check_names(scene, names, start or {})
+    sigmas = _sigma(sigma)
+    measured = replace(read_measured(data, columns, scene), weighted=sigma is not None)
+    problem = _problem(scene, names, measured, sigmas, start or {})
+    search = Search(problem, _first_values(problem))
+    return _fit_of(search, robust)
+
+
+def _check_names(
+    scene: Scene | Model, names: tuple[str, ...], first: Mapping[str, NumberLike]
+) -> None:
+    """Raise ParameterError unless the free numbers `names`, and those with `first` values, are
+    numbers of the motion, and the latter are free.
+    """
+    if isinstance(scene, Scene):
+        model: Model = scene.parameters
+    else:
+        model = scene
+    known = [*_all_names(model), *STARTS]
+    for argument, given_names in (("free", names or ("",)), ("start", first)):
         for name in given_names:
             if name not in known:
                 allowed = f"must be one of {', '.join(known)}{meant(str(name), known)}"
                 raise ParameterError(argument, name, allowed)
-    for name in start or {}:
+    for name in first:
         if name not in names:
             allowed = f"must be one of the free numbers {', '.join(names)}"
             raise ParameterError("start", name, allowed)
-    sigmas = _sigma(sigma)
-    measured = replace(read_measured(data, columns, scene), weighted=sigma is not None)
-    problem = _problem(scene, names, measured, sigmas)
-    search = Search(problem, _first_values(problem, start or {}))
-    return _fit_of(search, robust)
+
+
+def _all_names(model: Model) -> list[str]:
+    """Return the names of all numbers that a model may have; of an `Oscillator` also the slopes of
+    curves that have none.
+    """
+    names = list(model.numbers())
+    if isinstance(model, Oscillator):
+        slopes = (str(NumberOfBelt("slope", n)) for n in model.law.boundaries)
+        names += [name for name in slopes if name not in names]
+    return names
 
 
 def _problem(
-    scene: Scene | Parameters,
+    scene: Scene | Model,
     names: tuple[str, ...],
     measured: Measured,
     sigmas: np.ndarray,
+    first: Mapping[str, NumberLike],
 ) -> FitProblem:
-    """Return the problem of fitting the free numbers `names` of a motion to data."""
+    """Return the problem of fitting the free numbers `names` of a motion to data.
+
+    The motion of the problem has the `first` values.
+    """
     last_time = float(measured.t.max())
     changes: dict[str, Any] = dict.fromkeys((*STARTS, "t_end"))
-    if isinstance(scene, Parameters):
+    if not isinstance(scene, Scene):
         # Parameters have no end, and `read_start` wants one: any time after the data.
         changes["t_end"] = last_time + 1.0
-    start = read_start(scene, changes, None)
+    start = _started(read_start(scene, changes, None), first)
+    for name in names:
+        if name not in names_of(start.parameters):
+            raise ParameterError("free", name, _why_not_free(name))
     extra = 0.0
     if measured.kinds is not None:
         # The event nearest to the last measured one may come after it.
@@ -199,15 +235,31 @@ def _problem(
     return FitProblem(start, names, measured, sigmas, last_time + extra)
 
 
-def _first_values(problem: FitProblem, start: Mapping[str, NumberLike]) -> np.ndarray:
+def _started(start: Start, first: Mapping[str, NumberLike]) -> Start:
+    """Return a motion with first values in place of its own numbers."""
+    numbers = {name: value for name, value in first.items() if name not in STARTS}
+    begin: dict[str, Any] = {
+        name: read_number(name, first[name])[0] for name in STARTS if name in first
+    }
+    model = start.parameters
+    if numbers:
+        model = model.replace(**numbers)
+    return replace(start, parameters=model, **begin)
+
+
+def _why_not_free(name: str) -> str:
+    """Return why a number that a model may have cannot be varied."""
+    number = number_of_belt(name)
+    if number is not None and number.quantity == "mu_s":
+        return f'is equal to mu{number.belt}; begin above it with start={{"{name}": ...}}'
+    return f'is 0, as friction does not depend on speed; begin with start={{"{name}": ...}}'
+
+
+def _first_values(problem: FitProblem) -> np.ndarray:
     """Return the first values of the free numbers."""
     scene = problem.scene
-    values = []
-    for name in problem.names:
-        scene_value = getattr(scene.parameters if name in PARAMETER_NAMES else scene, name)
-        number, _ = read_number(name, start.get(name, scene_value))
-        values.append(float(number))
-    return np.array(values)
+    values = scene.parameters.numbers() | {name: getattr(scene, name) for name in STARTS}
+    return np.array([float(values[name]) for name in problem.names])
 
 
 def _fit_of(search: Search, robust: bool) -> Fit:

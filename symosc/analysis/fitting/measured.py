@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from symosc.base.errors import ParameterError, meant, shown
+from symosc.base.errors import ParameterError, shown
 from symosc.base.exact import read_exact, unmasked
 from symosc.base.files import STDOUT
 from symosc.crosschecks.reading.files import read_file
@@ -18,9 +18,8 @@ from symosc.crosschecks.reading.functions import Problem
 from symosc.crosschecks.reading.names import ID_COLUMN, KIND_COLUMN, Asked, read_column_names
 from symosc.crosschecks.reading.objects import table_in
 from symosc.crosschecks.reading.solutions import samples_of
-from symosc.engine.events import KIND_NAMES
+from symosc.crosschecks.samples import check_kind
 
-KINDS = tuple(KIND_NAMES.values())
 #: What columns hold.
 ROLES = ("t", KIND_COLUMN, "x", "v", ID_COLUMN)
 #: What data are, for messages.
@@ -122,8 +121,5 @@ def _of_columns(columns: Mapping[str, Any]) -> Measured:
     if KIND_COLUMN not in cells:
         return Measured(t, None, np.array([numbers(name) for name in ("x", "v") if name in cells]))
     for row, kind in enumerate(cells[KIND_COLUMN]):
-        if not isinstance(kind, str) or kind not in KINDS:
-            allowed = f"must be one of {', '.join(KINDS)}{meant(str(kind), KINDS)}"
-            value = str(kind) if isinstance(kind, str) else kind  # as plain text, not numpy's
-            raise ParameterError(f"{KIND_COLUMN}[{row}]", value, allowed)
+        check_kind(row, kind)
     return Measured(t, np.array(cells[KIND_COLUMN], dtype=object), None)

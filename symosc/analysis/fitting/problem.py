@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from symosc.analysis.fitting.coordinates import Coordinates
 from symosc.analysis.fitting.measured import Measured
 from symosc.base.errors import ParameterError
-from symosc.base.quantities import least
 from symosc.derivatives.sensitivities import Sensitivities, sensitivities
 from symosc.engine.start import Start
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import Model
 from symosc.scenes import STARTS
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
@@ -56,10 +56,9 @@ class FitProblem:
     _last: tuple[tuple[float, ...], Evaluation] | None = field(default=None, repr=False)
 
     @cached_property
-    def low(self) -> np.ndarray:
-        """The least value of each number."""
-        bounds = [least(name) if name in PARAMETER_NAMES else None for name in self.names]
-        return np.array([-np.inf if bound is None else float(bound) for bound in bounds])
+    def coordinates(self) -> Coordinates:
+        """What the search varies."""
+        return Coordinates(self.names, self.scene.parameters)
 
     @cached_property
     def weights(self) -> np.ndarray:
@@ -122,13 +121,13 @@ class FitProblem:
         self._last = key, evaluation
         return evaluation
 
-    def _motion(self, values: np.ndarray) -> tuple[Parameters, dict[str, Any]]:
+    def _motion(self, values: np.ndarray) -> tuple[Model, dict[str, Any]]:
         """Return the parameters and the start with these values, as `simulate` takes them."""
         # As texts: `replace` and `simulate` read them exactly.
         new = dict(zip(self.names, map(repr, values.tolist()), strict=True))
-        changes = {name: new[name] for name in self.names if name in PARAMETER_NAMES}
+        changes = {name: new[name] for name in self.names if name not in STARTS}
         start = {name: new.get(name, getattr(self.scene, name)) for name in STARTS}
-        return self.scene.parameters.parameters.replace(**changes), {**start, "t_end": self.end}
+        return self.scene.parameters.replace(**changes), {**start, "t_end": self.end}
 
     def _compare(
         self, motion: Trajectory, moved: Sensitivities | None

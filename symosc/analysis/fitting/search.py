@@ -51,25 +51,29 @@ def minimum(
     """
     from scipy.optimize import least_squares
 
-    begin = np.clip(first, problem.low * (1 + 1e-9), np.inf)
-    problem.evaluate(begin)  # raises the error of first numbers that no motion has
+    coordinates = problem.coordinates
+    begin = np.clip(coordinates.of(first), coordinates.low * (1 + 1e-9), coordinates.high)
+    begin_numbers = coordinates.back(begin)
+    problem.evaluate(begin_numbers)  # raises the error of first numbers that no motion has
+    sizes = np.abs(begin_numbers)  # of a gap that of the number above it
 
-    def residuals(values: np.ndarray) -> np.ndarray:
+    def residuals(places: np.ndarray) -> np.ndarray:
         try:
-            return problem.evaluate(values).residuals / scale
+            return problem.evaluate(coordinates.back(places)).residuals / scale
         except ParameterError:
             return IMPOSSIBLE * problem.sizes / scale
 
-    def slopes(values: np.ndarray) -> np.ndarray:
+    def slopes(places: np.ndarray) -> np.ndarray:
         weights = np.broadcast_to(scale, problem.weights.shape)
-        return problem.evaluate(values).slopes / weights[:, None]
+        by_numbers = problem.evaluate(coordinates.back(places)).slopes
+        return coordinates.slopes(by_numbers / weights[:, None])
 
     solution = least_squares(
         residuals,
         begin,
         jac=slopes,
-        bounds=(problem.low, np.inf),
-        x_scale=np.where(np.abs(begin) > NO_SIZE, np.abs(begin), 1.0),
+        bounds=(coordinates.low, coordinates.high),
+        x_scale=np.where(sizes > NO_SIZE, sizes, 1.0),
         loss=loss,
         max_nfev=most,
         gtol=NO_GRADIENT,
@@ -77,7 +81,7 @@ def minimum(
         xtol=1e-12 if precise else 1e-4,
     )
     failure = "" if solution.success else str(solution.message)
-    return solution.x, failure
+    return coordinates.back(solution.x), failure
 
 
 def starts(first: np.ndarray) -> np.ndarray:
@@ -96,7 +100,7 @@ def candidates(problem: FitProblem, first: np.ndarray) -> Iterator[np.ndarray]:
     """Yield numbers near minima, the most promising ones first."""
     rough = problem.thinned(MOST_SAMPLES)
     large = LARGE * rough.sizes
-    start_values = starts(first)
+    start_values = problem.coordinates.back(starts(problem.coordinates.of(first)))
     # One row per start, one column per residual; large residuals hardly count more than others.
     costs = np.log1p((np.array([rough.distances(values) for values in start_values]) / large) ** 2)
     times = np.sort(rough.measured.t)

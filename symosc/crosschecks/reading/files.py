@@ -57,16 +57,20 @@ OCTAVE_BEGINNING = b"# Created by Octave"
 BEGINNING_BYTES = 32
 
 
-def read_file(path: str | Path, where: str, use: Callable[[Any], Result]) -> Result:
+def read_file(
+    path: str | Path, where: str, use: Callable[[Any], Result], text: Reader = read_text
+) -> Result:
     """Return what `use` makes of the content of a file: a table, columns by name, rows or an array.
 
-    Columns may be read while the file is open, so `use` reads those that it needs. Any error is a
-    ParameterError, which calls the file `where`.
+    Columns may be read while the file is open, so `use` reads those that it needs; `text` reads a
+    table that is text. Any error is a ParameterError, which calls the file `where`.
     """
     library = ""
     try:
         with _opened(path, where) as file:
             library, read = _format_of(path, file, where)
+            if read is read_text:
+                read = text
             if library and isinstance(file.raw, _Unpacked):  # libraries seek, which it cannot
                 file = io.BufferedReader(io.BytesIO(formats.whole(file, where)))
             return use(read(file, where))

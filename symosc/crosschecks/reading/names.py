@@ -441,6 +441,22 @@ def _pair(
 # -- messages --------------------------------------------------------------------------------------
 
 
+def unsure_names(names: Sequence[str], places: Mapping[str, int], asked: Asked) -> list[str]:
+    """Return notes on columns that were taken for want of better ones: x by a weak name, such as y,
+    and t without a name.
+    """
+    notes = []
+    x = places.get("x", -1)
+    if "x" not in asked and x >= 0 and plain(names[x]) in WEAK_NAMES:
+        notes.append(
+            f"x is the column {brief(names[x])}; say so by --columns x=... if it is another"
+        )
+    t = places.get("t", -1)
+    if "t" not in asked and t >= 0 and not names[t]:
+        notes.append("t is the first column, which has no name")
+    return notes
+
+
 def names_text(names: Sequence[str]) -> str:
     """Return the first few names, joined for a message."""
     shown = [brief(name) or "(no name)" for name in names[:MOST_NAMES]]

@@ -67,7 +67,9 @@ def solutions_in(
     if table is None:
         what = "is no solution: give a file, a table, an array or a function"
         raise ParameterError("solution", source, what)
-    return samples_of(table, table.chosen(asked, where), problem, where)
+    columns, notes = table.choice(asked, where)
+    table = replace(table, notes=(*table.notes, *notes))
+    return samples_of(table, columns, problem, where)
 
 
 # -- lists -----------------------------------------------------------------------------------------
@@ -136,7 +138,7 @@ def samples_of(table: ColumnTable, values: Record, problem: Problem, where: str)
         if events is not None:
             what = f"can be listed for one solution; {where} has several"
             raise ParameterError("events", "given", what)
-        return solutions
+        return [replace(samples, notes=table.notes) for samples in solutions]
     samples = replace(solutions[0], dense=table.dense, notes=table.notes)
     if events is not None:
         return [replace(samples, events=checked_events(events))]

@@ -20,6 +20,7 @@ from symosc.crosschecks.reading.names import (
     find_columns,
     is_usual,
     plain,
+    unsure_names,
 )
 from symosc.crosschecks.samples import SAMPLE_COLUMNS
 
@@ -39,7 +40,8 @@ class ColumnTable:
     `headers` has the lists of their names that may be meant, the best first. `load` returns the
     columns at these places, by role. `beside` are values that are no columns, such as events.
     `are_padded`: times end with inf. `dense` is a solver's own function t -> (x, v), `notes` say how
-    the columns were read; `peek` returns the first values of a column, for advice.
+    the columns were read, `header_notes` how a header was, by its number; `peek` returns the first
+    values of a column, for advice.
     """
 
     headers: Sequence[Sequence[str]]
@@ -49,6 +51,7 @@ class ColumnTable:
     notes: tuple[str, ...] = ()
     dense: Callable[..., Any] | None = None
     peek: Callable[[int], Any] | None = None
+    header_notes: Mapping[int, str] = field(default_factory=dict)
 
     def chosen(
         self, asked: Asked, where: str, *, needs_v: bool = True, with_kinds: bool = False
@@ -57,8 +60,15 @@ class ColumnTable:
 
         ParameterError, about the first header, if no header says which they are.
         """
+        columns, _ = self.choice(asked, where, needs_v=needs_v, with_kinds=with_kinds)
+        return columns
+
+    def choice(
+        self, asked: Asked, where: str, *, needs_v: bool = True, with_kinds: bool = False
+    ) -> tuple[Record, tuple[str, ...]]:
+        """Return the columns as `chosen` does, and notes on what was not sure about their names."""
         refusal: ParameterError | None = None
-        for names in self.headers:
+        for number, names in enumerate(self.headers):
             try:
                 places = find_columns(
                     names,
@@ -71,7 +81,10 @@ class ColumnTable:
             except ParameterError as error:
                 refusal = refusal or error
             else:
-                return self.load(places)
+                notes = unsure_names(names, places, asked)
+                if number in self.header_notes:
+                    notes.append(self.header_notes[number])
+                return self.load(places), tuple(notes)
         assert refusal is not None
         raise refusal
 

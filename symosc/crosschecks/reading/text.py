@@ -10,7 +10,7 @@ import re
 import sys
 from array import array
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from itertools import chain, islice
@@ -21,9 +21,9 @@ import numpy as np
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
 from symosc.base.exact import MOST_CHARACTERS, NOT_FINITE, NUMBER
-from symosc.crosschecks.reading.names import ID_COLUMN, KIND_COLUMN
+from symosc.crosschecks.reading.names import ID_COLUMN, KIND_COLUMN, USUAL_NAMES, plain
 from symosc.crosschecks.reading.tables import ADVICE_SAMPLES, ColumnTable
-from symosc.crosschecks.samples import read_cell
+from symosc.crosschecks.samples import check_kind, read_cell
 
 # "sep=" begins no comment, but a line by which a spreadsheet says which delimiter it uses.
 COMMENT_SIGNS = ("#", "%", "//", "!", "sep=")
@@ -65,12 +65,21 @@ class Rows(NamedTuple):
 class TextTable(NamedTuple):
     """A text table: the headers that it may have, the best first, and its rows.
 
-    A row is the number of its line and its cells; they are read once.
+    A row is the number of its line and its cells; they are read once. `header_notes` say, by the
+    number of a header, what was left out of it, or that its line could have been a sample.
     """
 
     headers: list[list[str]]
     rows: Iterator[tuple[int, list[str]]]
     form: Rows
+    header_notes: dict[int, str]
+
+
+class TextRows(NamedTuple):
+    """A text table as it stands: the names in its header, and its rows with their lines' numbers."""
+
+    names: list[str]
+    rows: list[tuple[int, list[str]]]
 
 
 def read_text(file: io.BufferedReader, where: str) -> ColumnTable:
@@ -81,7 +90,9 @@ def read_text(file: io.BufferedReader, where: str) -> ColumnTable:
         cells = [row[place] for row in table.form.typical if len(row) > place]
         return [float(plain_number(cell)) for cell in cells[:ADVICE_SAMPLES]]
 
-    return ColumnTable(table.headers, partial(_columns, table), peek=peek)
+    return ColumnTable(
+        table.headers, partial(_columns, table), peek=peek, header_notes=table.header_notes
+    )
 
 
 def _columns(table: TextTable, places: Mapping[str, int]) -> Record:
@@ -97,9 +108,20 @@ def _columns(table: TextTable, places: Mapping[str, int]) -> Record:
                 what = f"{error.allowed} (line {number})"
                 raise ParameterError(f"{role}[{row}]", cells[place], what) from None
         for role, text in texts.items():
+            if role == KIND_COLUMN:
+                _check_kind(row, number, cells[places[role]])
             text.append(sys.intern(cells[places[role]]))  # one string for all rows of an id
     columns: Record = {role: np.array(column) for role, column in values.items()}
     return columns | {role: np.array(text) for role, text in texts.items()}
+
+
+def _check_kind(row: int, line: int, kind: str) -> None:
+    """Raise ParameterError, with the number of the line, unless a cell is a kind of event."""
+    try:
+        check_kind(row, kind)
+    except ParameterError as error:
+        what = f"{error.allowed} (line {line})"
+        raise ParameterError(error.name, error.value, what) from None
 
 
 def read_table(file: io.BufferedReader, where: str) -> TextTable:
@@ -119,9 +141,32 @@ def read_table(file: io.BufferedReader, where: str) -> TextTable:
     above = [line.text for line in head[:begin] if line.has_data]
     comments = [line.text.lstrip("".join(COMMENT_SIGNS) + " ") for line in head[:begin]
                 if not line.has_data]  # fmt: skip
-    headers = _headers(above, comments[::-1], form)
+    headers, notes = _headers(above, comments[::-1], form)
     rows = _rows(chain(head[begin:], lines), form, where)
-    return TextTable(headers, rows, form)
+    return TextTable(headers, rows, form, notes)
+
+
+def read_rows(
+    file: io.BufferedReader, where: str, is_header: Callable[[list[str]], bool]
+) -> TextRows:
+    """Return the names and the rows of a text table whose header `is_header` knows by its names.
+
+    All lines below the header are rows, whatever they hold; text stays text.
+    """
+    lines = _lines(file, where)
+    head = list(islice(lines, HEAD_LINES))
+    texts = [line.text for line in head if line.has_data]
+    if not texts:
+        raise ParameterError("file", where, "is empty")
+    likely = _form_of_rows(texts).delimiter
+    for i, line in enumerate(head):
+        text = line.text if line.has_data else line.text.lstrip("".join(COMMENT_SIGNS) + " ")
+        for delimiter in (likely, *DELIMITERS):
+            names = _split_names(text, delimiter, None)
+            if is_header(names):
+                form = Rows(delimiter, len(names), frozenset(), [])
+                return TextRows(names, list(_rows(chain(head[i + 1 :], lines), form, where)))
+    return TextRows(_split_names(texts[0], likely, None), [])
 
 
 # -- rows ------------------------------------------------------------------------------------------
@@ -133,16 +178,25 @@ def _form_of_rows(texts: Sequence[str]) -> Rows:
     # A file that is cut off may end anywhere.
     telling = telling[:-1] if len(telling) > 10 else telling
 
-    def score(delimiter: str | None) -> tuple[float, int]:
+    def rows_with(delimiter: str | None) -> list[list[str]]:
+        """Return the cells of the rows, if a delimiter separates them: of lines with numbers."""
         try:
             split = [_split_cells(text, delimiter) for text in telling]
         except csv.Error:  # quotes that this sign does not separate
-            return (0.0, 0)
-        # Lines without numbers are no rows.
-        cells = [cell for row in split if any(map(is_number, row)) for cell in row if cell]
-        numbers = sum(map(is_number, cells))
+            return []
         if delimiter == "," and any(map(_has_decimal_commas, telling)):
+            return []
+        return [row for row in split if any(map(is_number, row))]
+
+    rows = {delimiter: rows_with(delimiter) for delimiter in DELIMITERS}
+    most = max(map(len, rows.values()))
+
+    def score(delimiter: str | None) -> tuple[float, int]:
+        # A damaged line may be a number by a delimiter that makes no rows of the others.
+        if 2 * len(rows[delimiter]) <= most:
             return (0.0, 0)
+        cells = [cell for row in rows[delimiter] for cell in row if cell]
+        numbers = sum(map(is_number, cells))
         return (numbers / max(len(cells), 1), numbers)
 
     scores = {delimiter: score(delimiter) for delimiter in DELIMITERS}
@@ -188,8 +242,8 @@ def _begin_of_data(head: Sequence[TextLine], form: Rows) -> int:
 
     counts = [numbers_in(line) if form.numbers else 0 for line in head]
     data = [i for i, line in enumerate(head) if line.has_data]
-    if not form.numbers:  # a header alone
-        return len(head)
+    if not form.numbers:  # a header, and perhaps rows without a number below it
+        return next((i + 1 for i in data if _names_times(head[i].text, form)), len(head))
     begin = next((i for i in data if counts[i] == len(form.numbers)), len(head))
     while begin > 0 and counts[begin - 1] > 0 and head[begin - 1].has_data:
         begin -= 1
@@ -199,6 +253,12 @@ def _begin_of_data(head: Sequence[TextLine], form: Rows) -> int:
     if begin in data and not has_names and _counts_columns(head[begin:], form):
         return begin + 1
     return begin
+
+
+def _names_times(text: str, form: Rows) -> bool:
+    """Return whether a line names a column of times, and another one."""
+    names = _without_ends(_split_cells(text, form.delimiter))
+    return len(names) > 1 and any(plain(name) in USUAL_NAMES["t"] for name in names)
 
 
 def _counts_columns(head: Sequence[TextLine], form: Rows) -> bool:
@@ -237,7 +297,8 @@ def _rows(lines: Iterator[TextLine], form: Rows, where: str) -> Iterator[tuple[i
             cells = _split_cells(text, form.delimiter)
             if len(cells) != width:
                 if len(cells) < width or any(cells[width:]):
-                    what = f"row {number} has {len(cells)} entries, and the others have {width}"
+                    count = "1 entry" if len(cells) == 1 else f"{len(cells)} entries"
+                    what = f"row {number} has {count}, and the others have {width}"
                     raise ParameterError("file", where, what)
                 del cells[width:]
             yield number, cells
@@ -246,8 +307,11 @@ def _rows(lines: Iterator[TextLine], form: Rows, where: str) -> Iterator[tuple[i
 # -- headers ---------------------------------------------------------------------------------------
 
 
-def _headers(above: list[str], comments: list[str], form: Rows) -> list[list[str]]:
-    """Return the lists of names that the columns may have, the best first.
+def _headers(
+    above: list[str], comments: list[str], form: Rows
+) -> tuple[list[list[str]], dict[int, str]]:
+    """Return the lists of names that the columns may have, the best first, and notes on them by
+    their numbers.
 
     Those of lines `above` the data with a name for each column come first, then those of the other
     lines and of `comments`, then the numbers of the columns.
@@ -255,18 +319,32 @@ def _headers(above: list[str], comments: list[str], form: Rows) -> list[list[str
     width = form.width
     numbers = [str(i) for i in range(1, width + 1)]
     if not form.numbers:  # a header alone
-        return [_split_names(text, form.delimiter, None) for text in above or comments]
+        return [_split_names(text, form.delimiter, None) for text in above or comments], {}
     split = [_split_names(text, form.delimiter, width) for text in above]
     fitting = [names for names in split if len(names) == width]
-    mended = [_mended(names, form) for names in reversed(split) if len(names) not in (1, width)]
+    notes = {
+        number: f"the first line is taken for names, not for a sample: {', '.join(names)}"
+        for number, names in enumerate(fitting)
+        if all(map(is_number, names))
+    }
+    mended = list[list[str]]()
+    for names in reversed(split):
+        if len(names) in (1, width):
+            continue
+        usable = _mended(names, form)
+        if len(names) > width:
+            listed = ", ".join(names[width:])
+            notes[len(fitting) + len(mended)] = f"names without a column are left out: {listed}"
+        if usable:
+            mended.append(usable)
     in_comments = [
         names
         for names in (_split_names(text, form.delimiter, width) for text in comments)
         if len(names) == width and not all(map(is_number, names))
     ]
-    headers = [*fitting, *(names for names in mended if names), *in_comments]
+    headers = [*fitting, *mended, *in_comments]
     # A table of rows alone, or a header that does not say which column it leaves out.
-    return headers if fitting else [*headers, numbers]
+    return headers if fitting else [*headers, numbers], notes
 
 
 def _split_names(text: str, delimiter: str | None, width: int | None) -> list[str]:

@@ -5,7 +5,8 @@ complete.
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, NamedTuple
+from functools import cache
+from typing import NamedTuple
 
 import sympy as sp
 
@@ -260,19 +261,21 @@ EXAMPLES = (
 )
 
 
+@cache
+def branch(p: Parameters, word: str, name: str, limits: tuple[str, str]) -> Branch:
+    """Return the branch of an orbit; two examples and another chapter speak of the same one."""
+    return continue_orbit(p, word, name, limits)
+
+
 def _examples_table() -> Table:
     """Return the table of examples: ends of branches, and the rate of change of the vanishing
     acceleration there.
     """
     rows = []
     signs = []
-    followed: dict[tuple[Any, ...], Branch] = {}
     for example in EXAMPLES:
         p = example.parameters
-        given = p, example.word, example.name, example.limits
-        if given not in followed:
-            followed[given] = continue_orbit(*given)
-        end = followed[given].ends[example.end]
+        end = branch(p, example.word, example.name, example.limits).ends[example.end]
         at_end = p.replace(**{example.name: end.value})
         letter = {"Omega": r"\Omega", "mu1": r"\mu_1"}[example.name]
         phase = number(at_end.Omega) * number(end.conditions[0].t)

@@ -579,7 +579,7 @@ SIDES = 4
 def grazing() -> Grazing:
     """Return the multipliers of the paper's Fig. 9 at the end of its branch, on both sides."""
     p = load_scene("fig9").parameters
-    _, end = borders.continue_orbit(p, *BRANCH).ends
+    _, end = borders.branch(p, *BRANCH).ends
     at_end = p.replace(Omega=end.value)
     word, *_ = BRANCH
     orbit = find_orbit(at_end, word, digits=STEP_DIGITS)

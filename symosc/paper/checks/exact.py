@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, cached_property
 from math import factorial
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,11 @@ from symosc.model import Parameters
 #: than all that is left out.
 SHORT = Fraction(1, 10**8)
 SERIES_TERMS = 6
+#: t^n / n! for the times before (False) and after (True) a contact.
+POWERS = {
+    after: tuple(t**n / factorial(n) for n in range(1, SERIES_TERMS))
+    for after, t in ((False, -SHORT), (True, SHORT))
+}
 #: Sines and cosines of phases: the quarters of the circle, and rational points between them.
 QUARTER_POINTS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 RATIONAL_PHASES = tuple((Fraction(s), Fraction(c)) for s, c in QUARTER_POINTS) + tuple(
@@ -55,7 +61,7 @@ class RationalContact:
     s: Fraction
     c: Fraction
 
-    @property
+    @cached_property
     def speed(self) -> Fraction:
         """Speed of the belt."""
         return self.p.belt(self.boundary)
@@ -65,7 +71,7 @@ class RationalContact:
         """The domains below and above the belt's speed."""
         return NEIGHBOURS[self.boundary]
 
-    @property
+    @cached_property
     def forces(self) -> tuple[Fraction, Fraction]:
         """F^(alpha) of the domains below and above the belt's speed, at the contact."""
         return self.force(self.domains[0]), self.force(self.domains[1])
@@ -105,14 +111,19 @@ class RationalContact:
         """Return the sign of x' minus belt speed just before or `after` the contact, by the flow of
         domain `alpha`.
         """
-        if after:
-            t = SHORT
-        else:
-            t = -SHORT
-        # The power series of x' - v_lambda: x'' t + x''' t^2/2 + ...
-        _, _, *derivatives = self._motion[alpha]
-        value = sum(slope * t**n / factorial(n) for n, slope in enumerate(derivatives, 1))
-        return (value > 0) - (value < 0)
+        return self._sides[alpha, after]
+
+    @cached_property
+    def _sides(self) -> dict[tuple[int, bool], int]:
+        """The answers of `side`: many claims ask for them."""
+        sides = {}
+        for alpha in self.domains:
+            # The power series of x' - v_lambda: x'' t + x''' t^2/2 + ...
+            _, _, *derivatives = self._motion[alpha]
+            for after, powers in POWERS.items():
+                value = sum(map(mul, derivatives, powers))
+                sides[alpha, after] = (value > 0) - (value < 0)
+        return sides
 
     def derivatives(self, alpha: int) -> tuple[Fraction, ...]:
         """Return the first four derivatives of x' along the flow of domain `alpha`."""

@@ -116,6 +116,7 @@ def is_inside(cases: list[tuple[int, list[Arc]]], where: Any) -> bool:
     return any(arc.low < where < arc.high or (arc.closed and where == arc.low) for arc in arcs)
 
 
+@cache
 def zero_force_contact(
     mapping: str, gamma: Fraction, amplitude: Fraction, s: Fraction, c: Fraction
 ) -> RationalContact:
@@ -123,22 +124,29 @@ def zero_force_contact(
     and cos of theta.
     """
     map_row = MAPS[mapping]
-    # Any values do for what gamma, the amplitude and the phase do not fix.
+    boundary = map_row.end.boundary
+    p = _oscillator(boundary, gamma, amplitude)
+    # The force falls with x by k/m: this x makes it 0.
+    origin = RationalContact(p, boundary, Fraction(0), s, c)
+    return RationalContact(p, boundary, p.m * origin.force(map_row.domain) / p.k, s, c)
+
+
+@cache
+def _oscillator(boundary: int, gamma: Fraction, amplitude: Fraction) -> Parameters:
+    """Return parameters with gamma at a belt, and with B0 Omega/m (`amplitude`)."""
+    # Any values do for what these two do not fix.
     m = Fraction(2)
     k = Fraction(3)
     Omega = Fraction(3, 2)
     speed = gamma * m / k
-    if map_row.end.boundary == 1:
+    if boundary == 1:
         v1 = speed
         v2 = speed + 5
     else:
         v1 = speed - 5
         v2 = speed
     drive = {"B0": amplitude * m / Omega, "Omega": Omega}
-    p = Parameters(m=m, c=1, k=k, A0=1, **drive, v1=v1, v2=v2, mu1="1/2", mu2="1/3", FN=2)
-    # The force falls with x by k/m: this x makes it 0.
-    origin = RationalContact(p, map_row.end.boundary, Fraction(0), s, c)
-    return RationalContact(p, map_row.end.boundary, m * origin.force(map_row.domain) / k, s, c)
+    return Parameters(m=m, c=1, k=k, A0=1, **drive, v1=v1, v2=v2, mu1="1/2", mu2="1/3", FN=2)
 
 
 DRIVES = (Fraction(3), Fraction(7, 4))

@@ -351,6 +351,7 @@ THEOREMS: dict[int, Statement] = {
 }
 
 
+@cache
 def lemma(which: int) -> Evidence:
     """Check Lemma 1, 2 or 3, eqs. (20) to (24), with the normal vector in either direction."""
     condition, holds, action, exception = LEMMAS[which]

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -129,8 +129,9 @@ class LawGradients:
             for name, value in model.given_numbers().items()
         }
         self._own = OtherNumbers(self._numbers).law
+        self._rows = dict[int, list[FirstOrder]]()
 
-    @property
+    @cached_property
     def bends_a_line(self) -> bool:
         """Whether a band of the law falls apart into several if one of the numbers changes."""
         return any(
@@ -142,6 +143,12 @@ class LawGradients:
         """Return the derivatives of m, c, k, A, B0 and Omega in a band, (6, wrt), as numbers of the
         type `kind`.
         """
+        if row not in self._rows:
+            self._rows[row] = self._row(row)
+        return np.array([self._columns(entry, number) for entry in self._rows[row]], dtype=kind)
+
+    def _row(self, row: int) -> list[FirstOrder]:
+        """Return m, c, k, A, B0 and Omega in a band, with their derivatives."""
         edges = self._law.rows[row]
         slope, force = self._own.line_between(
             edges.below and edges.below.v, edges.above and edges.above.v
@@ -150,7 +157,7 @@ class LawGradients:
         local = [numbers[name] for name in ("m", "c", "k", "A0", "B0", "Omega")]
         local[LOCAL_CODES.index(C)] += slope
         local[LOCAL_CODES.index(A0)] += force
-        return np.array([self._columns(entry, number) for entry in local], dtype=kind)
+        return local
 
     def of_speed(self, belt: int, number: Callable[[Fraction], Any], kind: Any) -> np.ndarray:
         """Return the derivatives of a belt's speed."""
@@ -176,3 +183,9 @@ class LawGradients:
                     if gap.value == 0:
                         names |= gap.slopes.keys()
         return frozenset(names)
+
+
+@lru_cache(maxsize=32)
+def law_gradients(model: Model, wrt: tuple[str, ...]) -> LawGradients:
+    """Return the derivatives of a law, from a cache: many motions may share it."""
+    return LawGradients(model, wrt)

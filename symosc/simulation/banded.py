@@ -21,14 +21,6 @@ from typing import Any
 import numpy as np
 
 from symosc.base.aliases import Number
-from symosc.derivatives.law_gradients import LOCAL_CODES, LawGradients
-from symosc.derivatives.motion_columns import (
-    LEAST_EVENTS,
-    MotionColumns,
-    both_exponents,
-    cuts_of_parts,
-    error_of_mean,
-)
 from symosc.engine import tangent
 from symosc.engine.arithmetic import many_digits
 from symosc.engine.batch import PIECE_COLUMNS
@@ -48,6 +40,14 @@ from symosc.engine.tangent import (
     Letters,
 )
 from symosc.kernels._generated import acceleration
+from symosc.simulation.law_gradients import LOCAL_CODES, law_gradients
+from symosc.simulation.motion_columns import (
+    LEAST_EVENTS,
+    MotionColumns,
+    both_exponents,
+    cuts_of_parts,
+    error_of_mean,
+)
 from symosc.simulation.tangents import columns_of, is_deep, work_space
 from symosc.simulation.trajectory import Trajectory
 
@@ -344,10 +344,11 @@ class _Gradients:
 
     def __init__(self, motion: BandedColumns, wrt: tuple[str, ...]) -> None:
         model = motion.trajectory.parameters
-        self._exact = exact = LawGradients(model, wrt)
+        self._exact = exact = law_gradients(model, wrt)
         kind: dict[str, Any] = {"number": motion.numbers.number, "kind": motion.kind}
         self.wrt = wrt
         self.motion = motion
+        self._bands = dict[int, np.ndarray]()
         self.of_bands = {band: self.of_band(band) for band in np.unique(motion.bands).tolist()}
         boundaries = model.law.boundaries
         self.speeds = {belt: exact.of_speed(belt, **kind) for belt in boundaries}
@@ -356,6 +357,11 @@ class _Gradients:
 
     def of_band(self, band: int) -> np.ndarray:
         """Return the derivatives of m, c, k, A, B0 and Omega in a band, (6, wrt)."""
+        if band not in self._bands:
+            self._bands[band] = self._row(band)
+        return self._bands[band]
+
+    def _row(self, band: int) -> np.ndarray:
         return self._exact.of_row(band, self.motion.numbers.number, self.motion.kind)
 
     def ends(self, block: np.ndarray, launched: np.ndarray, band: int) -> np.ndarray:

@@ -1,0 +1,441 @@
+"""Motions with a drive: attractors are what recurs on the stroboscopic section.
+
+The section has the states at the ends of forcing periods. All motions are followed together, in
+chunks of forcing periods, and those that are decided are dropped:
+
+- A motion whose section points repeat after q periods, to a small part of its extent, leads to a
+  candidate. Newton's method on the section map finds the orbit itself, and neighbours on all sides
+  must come nearer to it over further periods: then it is an attractor, and the distance from which
+  they did so is its neighbourhood.
+- A motion that stays in the neighbourhood of an attractor for two of its periods, and comes
+  nearer, leads to it.
+- What recurs never, to the end, is compared by its clouds of section points. A cloud is chaotic if
+  the exponent of a motion in it is positive by more than its error. Everything else is undecided.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, nan, pi, sqrt
+from typing import Any
+
+import numpy as np
+
+from symosc.basins.kinds import Chaotic, Rest, oscillator_of, rest_of
+from symosc.derivatives.sensitivities import sensitivities
+from symosc.engine.events import CODE_COLUMNS
+from symosc.engine.state import SLIP
+from symosc.model import Model, Oscillator
+from symosc.simulation.ensemble import simulate_many
+
+#: No accuracy is asked for: in chaos errors grow without end, and what is asked here is where
+#: motions lead. Each event is decided by more than its own rounding.
+ACCURACY = inf
+#: Forcing periods of the first chunks, by the number of periods before them, and of all others.
+CHUNKS = {0: 32, 32: 32, 64: 64}
+LAST_CHUNK = 128
+#: Section points repeat if they differ by less than this part of the extent of the motion.
+REPEATS = 1e-6
+#: Two orbits are the same if their section points differ by less than this part of the extent.
+SAME = 1e-5
+#: Distances of neighbours that must come nearer, as parts of the extent, and the directions in
+#: which they lie.
+RADII = (1e-3, 1e-4, 1e-5, 1e-6)
+DIRECTIONS = np.array([(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)])
+#: Periods of an orbit after which neighbours must have come nearer, by the factor SHRINKS.
+SHRINKING = (4, 16, 64, 256)
+SHRINKS = 0.5
+#: How far neighbours may move away in between, as a multiple of their distance.
+FARTHEST = 100.0
+#: Steps of Newton's method, and the step of its difference quotients as a part of the extent.
+NEWTON_STEPS = 4
+DIFFERENCE = 1e-6
+#: How near to a rest a motion must be that creeps towards it, as a part of the extent, and by what
+#: factor Newton's method must come nearer: by 1/2 in each step.
+BESIDE_REST = 1e-2
+NEWTON_GAIN = 0.6
+#: Section points of a motion that are compared with others, and forcing periods over which an
+#: exponent is computed.
+CLOUD = 512
+EXPONENT_PERIODS = 1000
+#: How near a neighbour is that moves away in chaos, and after how many forcing periods by more than
+#: it does where distances grow in proportion to time.
+CLOSE = 1e-8
+PARTING_PERIODS = 512
+#: An exponent is positive if it exceeds so many of its errors, and makes distances grow by this
+#: part in a forcing period.
+SIGMAS = 3.0
+LEAST_EXPONENT = 1e-2
+#: Two clouds are one if their points are no farther from each other than from their own
+#: neighbours, times this.
+FARTHER = 4.0
+#: Points of a motion that are compared with a cloud, and clouds that are tried at most.
+COMPARED = 256
+MOST_CLOUDS = 16
+#: The row of the kinds of events.
+KIND_ROW = 1 + CODE_COLUMNS.index("kind")
+
+
+@dataclass
+class Recurrent:
+    """A periodic orbit on the section: its points in order of time, and the distance from which
+    motions are attracted.
+    """
+
+    points: np.ndarray
+    radius: float
+    word: str
+
+    @property
+    def periods(self) -> int:
+        """Forcing periods after which it closes."""
+        return len(self.points)
+
+
+class DrivenMotions:
+    """Motions under a drive, followed in chunks of forcing periods until their attractors are
+    known.
+
+    `most` is the number of forcing periods that a motion is followed for; `found` has the
+    attractors, in order.
+    """
+
+    def __init__(self, model: Model, most: int, workers: int | None) -> None:
+        self.model = oscillator_of(model)
+        self.most = most
+        self.workers = workers
+        self.rest = rest_of(model)
+        self.unit = units_of(self.model)
+        self.found = list[Recurrent | Rest | Chaotic]()
+
+    # -- following ---------------------------------------------------------------------------------
+
+    def follow(self, starts: np.ndarray, periods: int, sections: int) -> Any:
+        """Return the summary of motions over so many forcing periods, with the last sections."""
+        return simulate_many(
+            self.model, starts, f"{periods}T", accuracy=ACCURACY, workers=self.workers,
+            record=("status", "word", "section"), sections=sections,
+        )  # fmt: skip
+
+    def onward(self, points: np.ndarray, periods: int, sections: int = 1) -> np.ndarray:
+        """Return the last section points of motions that start in `points` of the section."""
+        starts = np.column_stack([np.zeros(len(points)), points])
+        section: np.ndarray = self.follow(starts, periods, sections).section
+        return section
+
+    def distances(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """Return the distances of section points in units of the oscillator."""
+        distances: np.ndarray = np.abs((first - second) / self.unit).max(axis=-1)
+        return distances
+
+    def decide(self, starts: np.ndarray) -> np.ndarray:
+        """Return for each row t0, x0, v0 the number of its attractor, -1 if undecided."""
+        if self.model.contracts and len(starts) > 1:
+            # No two motions move apart. So what attracts its neighbours attracts all.
+            first = self._decided(starts[:1])
+            if first[0] >= 0:
+                return np.full(len(starts), first[0])
+        return self._decided(starts)
+
+    def _decided(self, starts: np.ndarray) -> np.ndarray:
+        numbers = np.full(len(starts), -1)
+        waiting = np.arange(len(starts))
+        now = starts
+        points = np.zeros((0, 1, 2))
+        done = 0
+        while len(waiting) and done < self.most:
+            periods = min(CHUNKS.get(done, LAST_CHUNK), self.most - done)
+            # A motion may start between two sections.
+            begins = int(done == 0)
+            followed = self.follow(now, periods + begins, periods)
+            done += periods
+            points = followed.section
+            rests = followed.status == "equilibrium"
+            if rests.any():
+                numbers[waiting[rests]] = self._number_of_rest()
+            going = (followed.status == "t_end") & np.isfinite(points).all(axis=(1, 2))
+            waiting = waiting[going]
+            points = points[going]
+            recurring = self._recurring(points, followed.word[going])
+            numbers[waiting] = recurring
+            waiting = waiting[recurring < 0]
+            points = points[recurring < 0]
+            now = np.column_stack([np.zeros(len(waiting)), points[:, -1]])
+        if len(waiting):
+            numbers[waiting] = self._chaotic(points)
+        return numbers
+
+    def _number_of_rest(self) -> int:
+        """Return the number of the rest among the attractors."""
+        for n, attractor in enumerate(self.found):
+            if isinstance(attractor, Rest):
+                return n
+        assert self.rest is not None  # the mass rests
+        self.found.append(self.rest)
+        return len(self.found) - 1
+
+    # -- recurrence --------------------------------------------------------------------------------
+
+    def _recurring(self, points: np.ndarray, words: np.ndarray) -> np.ndarray:
+        """Return for motions, from their section points and last words, the numbers of the
+        attractors to which they lead; -1 where that is open.
+        """
+        numbers = np.full(len(points), -1)
+        for n, attractor in enumerate(self.found):
+            if isinstance(attractor, Recurrent):
+                numbers[(numbers < 0) & self._near(points, attractor)] = n
+        repeats = self._repeats(points)
+        candidates = np.flatnonzero((numbers < 0) & (repeats > 0))
+        while len(candidates):
+            i = int(candidates[0])
+            q = int(repeats[i])
+            candidates = candidates[1:]
+            candidate = self._attractor(points[i, -q:], str(words[i]))
+            if candidate is None and self._creeps(points[i]):
+                numbers[i] = self._number_of_rest()
+                # What is between this motion and the rest creeps as it does.
+                away = self._from_rest(points[candidates])
+                between = (away[:, -1] < self._from_rest(points[i, -1])) & self._nearer(away)
+                numbers[candidates[between]] = numbers[i]
+                candidates = candidates[~between]
+                continue
+            if candidate is None:
+                # others beside it fail as it does
+                same = self.distances(points[candidates, -1], points[i, -1]) < SAME
+                candidates = candidates[~same]
+                continue
+            n = self._number_of(candidate)
+            numbers[i] = n
+            near = self._near(points[candidates], candidate)
+            numbers[candidates[near]] = n
+            candidates = candidates[~near]
+        return numbers
+
+    def _repeats(self, points: np.ndarray) -> np.ndarray:
+        """Return after how many periods the last section points repeat, 0 if they do not."""
+        repeats = np.zeros(len(points), np.int64)
+        for q in range(1, points.shape[1] // 2 + 1):
+            last = points[:, -q:]
+            before = points[:, -2 * q : points.shape[1] - q]
+            same = self.distances(last, before).max(axis=1) < REPEATS
+            repeats[(repeats == 0) & same] = q
+        return repeats
+
+    def _near(self, points: np.ndarray, attractor: Recurrent) -> np.ndarray:
+        """Return which motions are in the neighbourhood of an attractor and come nearer to it."""
+        q = attractor.periods
+        if not len(points) or points.shape[1] < 2 * q:
+            return np.zeros(len(points), dtype=bool)
+        away = self.distances(points, attractor.points[0])
+        phase = np.argmin(away[:, -q:], axis=1) + points.shape[1] - q
+        rows = np.arange(len(points))
+        now = away[rows, phase]
+        before = away[rows, phase - q]
+        inside = (now <= attractor.radius) & (before <= attractor.radius)
+        near: np.ndarray = inside & ((now <= before) | (now <= REPEATS))
+        return near
+
+    def _number_of(self, attractor: Recurrent) -> int:
+        """Return the number of an attractor, a new one if its orbit is not known yet."""
+        for n, known in enumerate(self.found):
+            if isinstance(known, Recurrent) and known.periods == attractor.periods:
+                away = self.distances(known.points, attractor.points[0])
+                if away.min() < SAME:
+                    return n
+        self.found.append(attractor)
+        return len(self.found) - 1
+
+    def _attractor(self, points: np.ndarray, word: str) -> Recurrent | None:
+        """Return the orbit near section points that repeat, if it attracts its neighbours."""
+        q = len(points)
+        point = self._polished(points[-1], q)
+        path = self.onward(point[None], q, q)[0]
+        for divisor in range(1, q):
+            if q % divisor == 0 and self.distances(path[divisor - 1], path[-1]) < SAME:
+                path = path[:divisor]
+                break
+        orbit = np.concatenate([path[-1:], path[:-1]])
+        radius = self._radius(orbit)
+        if radius is None:
+            return None
+        return Recurrent(orbit, radius, word if len(orbit) == 1 else "")
+
+    def _creeps(self, points: np.ndarray) -> bool:
+        """Return whether a motion slips a little in each period, ever less, towards a rest.
+
+        At the edge of the rests the slips vanish, so that it comes nearer for ever but does not
+        arrive. That is judged by its section points, and by where Newton's method leads.
+        """
+        if self.rest is None:
+            return False
+        away = self._from_rest(points)
+        if not self._nearer(away[None])[0]:
+            return False
+        return bool(self._from_rest(self._polished(points[-1], 1)) < NEWTON_GAIN * away[-1])
+
+    def _nearer(self, away: np.ndarray) -> np.ndarray:
+        """Return which distances from the rest are small, and decrease."""
+        decrease = (np.diff(away, axis=1) <= 0).all(axis=1)
+        nearer: np.ndarray = decrease & (away[:, -1] < away[:, 0]) & (away[:, -1] < BESIDE_REST)
+        return nearer
+
+    def _from_rest(self, points: np.ndarray) -> np.ndarray:
+        """Return the distances of section points from the nearest rest."""
+        assert self.rest is not None
+        nearest = np.stack(
+            [np.clip(points[..., 0], self.rest.low, self.rest.high), 0 * points[..., 1]], axis=-1
+        )
+        return self.distances(points, nearest)
+
+    def _polished(self, point: np.ndarray, q: int) -> np.ndarray:
+        """Return the fixed point of the map over `q` periods near a section point, or the point."""
+        best = point
+        least = inf
+        step = DIFFERENCE * self.unit
+        for _ in range(NEWTON_STEPS):
+            beside = point + np.array([(0.0, 0.0), (step[0], 0.0), (0.0, step[1])])
+            here, by_x, by_v = self.onward(beside, q)[:, -1]
+            miss = here - point
+            size = float(np.abs(miss / self.unit).max())
+            if not size < least:
+                break
+            best, least = point, size
+            (a, c) = ((by_x - here) / step[0]).tolist()
+            (b, d) = ((by_v - here) / step[1]).tolist()
+            if self._sticks(point):
+                b = d = 0.0
+            determinant = (1 - a) * (1 - d) - b * c
+            if abs(determinant) < 1e-9:
+                break
+            along_x = ((1 - d) * miss[0] + b * miss[1]) / determinant
+            along_v = (c * miss[0] + (1 - a) * miss[1]) / determinant
+            point = point + np.array([along_x, along_v])
+            if self.distances(point, best) > 100 * REPEATS / SHRINKS:
+                break
+        return best
+
+    def _sticks(self, point: np.ndarray) -> bool:
+        """Return whether a section point is on a belt."""
+        return any(point[1] == float(belt.v) for belt in self.model.belts)
+
+    def _radius(self, orbit: np.ndarray) -> float | None:
+        """Return the largest distance from which neighbours on all sides come nearer to an orbit;
+        None if they do not.
+        """
+        q = len(orbit)
+        if self._sticks(orbit[0]):
+            # Neighbours of the motion stick too: what starts off the belt is none, since static
+            # friction may hold the mass where kinetic friction would let it go.
+            directions = DIRECTIONS[DIRECTIONS[:, 1] == 0]
+        else:
+            directions = DIRECTIONS
+        for radius in RADII:
+            neighbours = orbit[0] + radius * directions * self.unit
+            for times in SHRINKING:
+                neighbours = self.onward(neighbours, q * times)[:, -1]
+                away = self.distances(neighbours, orbit[0])
+                if not (away <= FARTHEST * radius).all():
+                    break
+                if (away <= SHRINKS * radius).all():
+                    return radius
+        return None
+
+    # -- chaos -------------------------------------------------------------------------------------
+
+    def _chaotic(self, points: np.ndarray) -> np.ndarray:
+        """Return the numbers of chaotic attractors to which motions lead that do not recur, from
+        their last section points; -1 where it is open.
+        """
+        numbers = np.full(len(points), -1)
+        waiting = np.arange(len(points))
+        for _ in range(MOST_CLOUDS):
+            if not len(waiting):
+                break
+            i = int(waiting[0])
+            cloud = self.onward(points[i, -1:], CLOUD, CLOUD)[0]
+            waiting = waiting[1:]
+            if not np.isfinite(cloud).all():
+                continue
+            again = self._recurring(cloud[None], np.array([""]))
+            if again[0] >= 0:
+                numbers[i] = again[0]
+                waiting, numbers = self._settled(points, waiting, numbers)
+                continue
+            chaos = self._chaos_from(cloud)
+            if chaos is None:
+                number = -1
+            else:
+                number = self._number_of_cloud(chaos)
+            numbers[i] = number
+            same = np.array([self._same_cloud(points[j], cloud) for j in waiting], dtype=bool)
+            numbers[waiting[same]] = number
+            waiting = waiting[~same]
+        return numbers
+
+    def _settled(
+        self, points: np.ndarray, waiting: np.ndarray, numbers: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the motions that go on waiting, and the numbers, now that another attractor is
+        known.
+        """
+        own = self._recurring(points[waiting], np.full(len(waiting), ""))
+        numbers[waiting] = own
+        return waiting[own < 0], numbers
+
+    def _chaos_from(self, cloud: np.ndarray) -> Chaotic | None:
+        """Return the chaos of a cloud of section points, if its exponent is positive."""
+        if not self._parts(cloud[-1]):
+            return None
+        x, v = cloud[-1].tolist()
+        found = sensitivities(
+            self.model, ("x0", "v0"), t0=0, x0=x, v0=v, t_end=f"{EXPONENT_PERIODS}T"
+        )
+        exponent = float(found.lyapunov[0])
+        error = float(found.lyapunov_error)
+        span = float(found.trajectory.t_end)
+        period = 2 * pi / float(self.model.Omega)
+        if not (exponent > SIGMAS * error and exponent * period > LEAST_EXPONENT):
+            return None
+        slips = int((found.trajectory.rows().ints[KIND_ROW] == SLIP).sum())
+        per_slip = exponent * span / slips if slips else nan
+        return Chaotic(exponent, error, per_slip, cloud)
+
+    def _parts(self, point: np.ndarray) -> bool:
+        """Return whether a neighbour of a section point moves away faster than without chaos."""
+        beside = point + np.array([(0.0, 0.0), (CLOSE * self.unit[0], 0.0)])
+        here, there = self.onward(beside, PARTING_PERIODS)[:, -1]
+        return bool(self.distances(here, there) > CLOSE * PARTING_PERIODS * 2)
+
+    def _number_of_cloud(self, chaos: Chaotic) -> int:
+        """Return the number of a chaotic attractor, a new one if its cloud is no other's."""
+        for n, known in enumerate(self.found):
+            if isinstance(known, Chaotic) and self._same_cloud(chaos.points, known.points):
+                return n
+        self.found.append(chaos)
+        return len(self.found) - 1
+
+    def _same_cloud(self, points: np.ndarray, cloud: np.ndarray) -> bool:
+        """Return whether section points lie in a cloud, as the cloud's own second half lies in its
+        first one.
+        """
+        half = len(cloud) // 2
+        own = self._gap(cloud[half:], cloud[:half])
+        other = self._gap(points[-COMPARED:], cloud[:half])
+        return other <= FARTHER * own
+
+    def _gap(self, points: np.ndarray, cloud: np.ndarray) -> float:
+        """Return the mean distance from points to the nearest one of a cloud."""
+        return float(self.distances(points[:, None], cloud).min(axis=1).mean())
+
+
+def units_of(law: Oscillator) -> np.ndarray:
+    """Return units of position and velocity that fit an oscillator: what its forces and belts make
+    of a spring.
+    """
+    forces = abs(law.A0) + abs(law.B0)
+    for n in law.law.boundaries:
+        forces += law.law.kinetic(n) + law.law.excess(n)
+    rate = max(float(law.Omega), sqrt(law.k / law.m))
+    fastest = max(abs(float(belt.v)) for belt in law.belts)
+    size = float(forces / law.k) + fastest / rate
+    return np.array([size, size * rate])
