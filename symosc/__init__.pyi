@@ -76,6 +76,7 @@ from .orbits.border_trace import BorderEnd as BorderEnd
 from .orbits.branch import Branch as Branch
 from .orbits.branch import BranchEnd as BranchEnd
 from .orbits.branch import BranchError as BranchError
+from .orbits.branch import BranchSpecial as BranchSpecial
 from .orbits.branch import continue_orbit as continue_orbit
 from .orbits.closing_equations import ConvergenceError as ConvergenceError
 from .orbits.find import find_orbit as find_orbit

@@ -97,7 +97,7 @@ def test_every_public_function_is_called() -> None:
 
 
 @pytest.mark.parametrize("p", [STATIC, STATIC_2], ids=["one belt", "two belts"])
-@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.parametrize("name", [name for name in CALLS if name != "continue_orbit"])
 def test_static_friction_is_followed_or_refused_in_one_line(name: str, p: Oscillator) -> None:
     if follows(name):
         assert CALLS[name](p) is not None
