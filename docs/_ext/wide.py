@@ -1,7 +1,7 @@
 """Literal blocks with lines too long for the column of a page: smaller letters or, if these do not do, broken lines.
 
-What is wide gets a class, by its longest line; `symosc.css` has the sizes of the letters. A table keeps its columns, and
-scrolls.
+What is wide gets a class, by its longest line; `symosc.css` has the sizes of the letters. A table keeps its
+columns, and scrolls.
 """
 
 from __future__ import annotations

@@ -175,9 +175,13 @@ def explore(scene: str, settings: Settings, port: int | None, no_browser: bool) 
       symosc explore
       symosc explore fig9 --set Omega=3.5
     """
-    problem = options.reduced_scene(options.scene_with(scene, settings))
+    problem = options.reduced_scene(options.scene_with(scene, settings), any_law=True)
+    from symosc.plot.explorer.answers import notes_of, state_of
     from symosc.plot.explorer.server import PORT, ExplorerServer
 
+    state_of(problem)  # a law that the page cannot show is refused before it is opened
+    for text in notes_of(problem)[len(problem.notes) :]:
+        output.note(text)
     with ExplorerServer(problem, PORT if port is None else port) as server:
         output.write(f"{server.address} (Ctrl-C ends it)")
         if not no_browser:  # in a thread: some browsers come back only when they are closed

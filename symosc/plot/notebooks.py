@@ -22,10 +22,12 @@ from symosc.base.display.drawable import Listing
 from symosc.base.display.pages import macros
 from symosc.base.exact import show
 from symosc.base.quantities import quantity_of, unit_of
+from symosc.basins.attractors import Attractors
 from symosc.certificates.atlas import Atlas
 from symosc.certificates.certificate import Certificate, common_complex, common_digits
 from symosc.crosschecks.report import CrossCheck
 from symosc.grazing.window import GrazingWindow
+from symosc.model import Oscillator
 from symosc.orbits.border import Border
 from symosc.orbits.branch import Branch
 from symosc.orbits.periodic_orbit import PeriodicOrbit
@@ -240,10 +242,80 @@ def cut(text: str) -> str:
     return f"{text[: LONGEST_SHOWN - 1]}…"
 
 
+def oscillator_page(oscillator: Oscillator) -> str:
+    """Return the page of an oscillator: its belts, its numbers, and the friction force over the
+    velocity.
+    """
+    belts = oscillator.belts
+
+    def row(i: int) -> list[Any]:
+        belt = belts[i]
+        kinetic = show(belt.mu)
+        if belt.curve:
+            kinetic = f"curve of {len(belt.curve)} points from {kinetic}"
+        return [i + 1, show(belt.v), kinetic, show(belt.mu_s)]
+
+    names = ["m", "c", "k", "A0", "FN"]
+    if oscillator.B0 != 0:
+        names += ["B0", "Omega"]
+    values = {name: show(getattr(oscillator, name)) for name in names}
+    heads = ("belt", "v", "kinetic μ", "static μ")
+    drawn = curve("friction force against velocity", *friction_curve(oscillator))
+    if oscillator.contracts:
+        line = f"{counted(len(belts), 'belt')}, no two motions move apart"
+    else:
+        line = f"{counted(len(belts), 'belt')}, motions may move apart: several may attract"
+    return page("Oscillator", line, table(heads, len(belts), row), drawn, facts(values))
+
+
+def friction_curve(oscillator: Oscillator) -> tuple[list[float], list[float]]:
+    """Return velocities and friction forces, with the jump at each belt up to its static friction."""
+    edges = oscillator.edges
+    first = float(edges[0].v)
+    last = float(edges[-1].v)
+    beyond = max(last - first, abs(last), abs(first)) / 2 or 1.0
+    ends = [first - beyond, *(float(edge.v) for edge in edges), last + beyond]
+    excesses = [0.0, *(float(edge.E) for edge in edges), 0.0]
+    points = list[tuple[float, float]]()
+    for i, band in enumerate(oscillator.bands):
+        slope = float(band.c - oscillator.c)
+        constant = float(oscillator.A0 - band.A)
+        low = ends[i]
+        high = ends[i + 1]
+        points.append((low, constant + slope * low + excesses[i]))
+        points.append((low, constant + slope * low))
+        points.append((high, constant + slope * high))
+        points.append((high, constant + slope * high - excesses[i + 1]))
+    return [speed for speed, _ in points], [force for _, force in points]
+
+
+def attractors_page(found: Attractors) -> str:
+    """Return the page of attractors: their names, periods and shares."""
+    periods = [getattr(orbit, "period", None) for orbit in found.orbits]
+    rows = [
+        [name, f"{share:.4g}", f"{error:.1g}", float(period) if period else None]
+        for name, share, error, period in zip(
+            found.names, found.share, found.share_error, periods, strict=True
+        )
+    ]
+    heads = ("attractor", "share", "standard error", "period")
+    undecided = f"{found.undecided:.4g}" if found.undecided else None
+    line = f"{counted(len(found), 'attractor')} of {counted(len(found.starts), 'start')}"
+    return page(
+        "Attractors",
+        line,
+        table(heads, len(rows), rows.__getitem__),
+        facts({"undecided": undecided}),
+    )
+
+
 def orbit_page(orbit: PeriodicOrbit) -> str:
     """Return the page of a periodic orbit: its switching points, its multipliers, and its loop in
     the phase plane.
     """
+    stable = {True: "yes", False: "no", None: "marginal"}[orbit.stable]
+    if orbit.is_rest:
+        return page("PeriodicOrbit", orbit.message, facts({"stable": stable}))
     rows = [
         [label, shown(float(t)), shown(float(x))]
         for label, (t, x) in zip(orbit.labels, orbit.points, strict=True)
@@ -256,7 +328,7 @@ def orbit_page(orbit: PeriodicOrbit) -> str:
     values = {
         "period": shown(float(orbit.period)),
         "multipliers": ", ".join(complex_text(complex(value)) for value in orbit.multipliers),
-        "stable": {True: "yes", False: "no", None: "marginal"}[orbit.stable],
+        "stable": stable,
         "residual": f"{float(orbit.residual):.1e}",
         "grazing distance": f"{orbit.grazing_distance:.4g}",
         "digits": orbit.digits,
@@ -282,12 +354,17 @@ def branch_page(branch: Branch) -> str:
     switching.
     """
     sizes = np.abs(branch.multipliers).max(axis=1)
-    first_points = branch.points[:, 0]  # of each orbit, t and x of its first switching
+    if branch.labels:
+        first_points = branch.points[:, 0]  # of each orbit, t and x of its first switching
+        about = "x of the first switching"
+    else:
+        first_points = np.column_stack([0 * branch.values, branch.extents[:, 1]])
+        about = "the largest x"
     _, x = first_points.T
     name = branch.parameter
     stable = np.where(branch.stable, "yes", "no")
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
-    drawn = curve(f"x of the first switching against {name}", branch.values, x, marks)
+    drawn = curve(f"{about} against {name}", branch.values, x, marks)
     ends = [f"{end.kind} at {name} = {end.value:.10g}: {end.message}" for end in branch.ends]
     heads = (name, "t", "x", "largest |multiplier|", "stable")
     rows = table(
@@ -295,7 +372,7 @@ def branch_page(branch: Branch) -> str:
         len(x),
         lambda i: [branch.values[i], *first_points[i], f"{sizes[i]:.6g}", stable[i]],
     )
-    line = f"{branch.word} in {name}, {len(branch.values)} points"
+    line = f"{branch.word or 'no belt'} in {name}, {len(branch.values)} points"
     return page("Branch", line, rows, drawn, facts(dict(zip(END_NAMES, ends, strict=True))))
 
 
@@ -498,6 +575,8 @@ def listing_page(listing: Listing[Any]) -> str | None:
 #: What makes the page of the results of a class.
 PAGES: dict[type, Callable[..., str | None]] = {
     Scene: scene_page,
+    Oscillator: oscillator_page,
+    Attractors: attractors_page,
     Listing: listing_page,
     Trajectory: trajectory_page,
     EventTable: events_page,

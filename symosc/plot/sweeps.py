@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     import xarray
 
     from symosc.analysis.response import FrequencyResponse
+    from symosc.basins.bifurcation import Bifurcation
     from symosc.certificates.atlas import Atlas, Rectangle
     from symosc.sweeps.output import SweptDataset
 
@@ -186,18 +187,18 @@ def swept_figure(
 
 @public
 def bifurcation_figure(
-    dataset: xarray.Dataset,
+    dataset: xarray.Dataset | Bifurcation,
     component: Literal["x", "v"] = "x",
     *,
     ax: Axes | None = None,
     figsize: FigureSize = None,
 ) -> Figure:
-    """Draw the section of a sweep over one axis: a point for each recorded period.
+    """Draw the section over one parameter: a point for each recorded period.
 
-    Several starts lie over each other.
-
-    If the sweep recorded words too, dashed lines mark where the word changes; the words stand
-    above.
+    Of what `symosc.bifurcation` returns coexisting attractors are told apart: those that motions
+    reach upward, and others, each with a colour and a mark of its own. Several starts of a sweep lie
+    over each other. If a sweep recorded words too, dashed lines mark where the word changes; the
+    words stand above.
 
     Examples
     --------
@@ -206,8 +207,12 @@ def bifurcation_figure(
     >>> [axes.get_ylabel() for axes in plot.bifurcation_figure(found).axes]
     ['displacement $x$ at whole periods']
     """
-    require(DATASET, dataset=dataset)
+    from symosc.basins.bifurcation import Bifurcation
+
+    require(DATASET, Bifurcation, dataset=dataset)
     require(one_of("x", "v"), component=component)
+    if isinstance(dataset, Bifurcation):
+        return _branches(dataset, component, ax, figsize)
     section = read_column(dataset, "section").sel(component=component)
     if "start" in section.dims:
         one_start = section.isel(start=0)
@@ -227,6 +232,53 @@ def bifurcation_figure(
             words = read_column(dataset, "word")
             words = (words.isel(start=0) if "start" in words.dims else words).sortby(name)
             _mark_changes(axes, words[name].values, words.values.astype(str))
+    return drawing
+
+
+#: Colours and marks of the branches of a bifurcation, from dark to light, and their texts.
+BRANCH_STYLES = (
+    ("black", "o"),
+    ("#c66d27", "D"),
+    ("#57c16b", "^"),
+    ("#1776b4", "v"),
+    ("#b282ea", "s"),
+)
+BRANCH_TEXTS = {"upward": "followed upward", "downward": "only followed downward"}
+NO_DRIVE_LABEL = r"$x$ where $\dot{x}$ falls through 0"
+
+
+def _branches(
+    found: Bifurcation, component: Literal["x", "v"], ax: Axes | None, figsize: FigureSize
+) -> Figure:
+    """Draw a bifurcation diagram with a look for each branch that has an attractor of its own."""
+    drive = "upward" in found.branches
+    coordinate = "xv".index(component)
+    entries: dict[str, Any] = {}
+    with axes_for(ax, (5.4, 3.6), figsize=figsize) as (drawing, (axes,)):
+        for n, branch in enumerate(found.branches):
+            alone = found.attractor[:, n] == n
+            if not alone.any():
+                continue
+            points = found.points[alone, n, :, coordinate]
+            colour, mark = BRANCH_STYLES[n % len(BRANCH_STYLES)]
+            size = 2.4 if points.shape[1] == 1 else max(0.5, 12.0 / points.size**0.25)
+            style: Record = {"marker": mark, "color": colour, "linestyle": "none"}
+            axes.plot(
+                np.repeat(found.values[alone], points.shape[1]), points.ravel(),
+                **style, ms=size, markeredgewidth=0, rasterized=True, zorder=2 + n,
+            )  # fmt: skip
+            if drive:
+                text = BRANCH_TEXTS.get(branch, f"only from {branch}")
+            else:
+                text = branch
+            (entries[text],) = axes.plot([], [], **style, ms=4, markeredgewidth=0)
+        axes.set(
+            xlabel=label(found.name),
+            ylabel=COMPONENT_LABELS[component] if drive else NO_DRIVE_LABEL,
+            xlim=(found.values.min(), found.values.max()),
+        )
+        if len(entries) > 1 or not drive:
+            add_legend(drawing, ax, entries, 2 if len(entries) == 4 else 3)
     return drawing
 
 

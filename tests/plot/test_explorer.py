@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import json
 import random
+from dataclasses import replace
 from fractions import Fraction
-from math import hypot, pi
+from math import atan, hypot, pi
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -16,16 +17,28 @@ import pytest
 from explorer_states import FIG5, random_state
 from exploring import ask
 
-from symosc import grazing_window, load_scene, scene_names, simulate
+from symosc import (
+    Belt,
+    Oscillator,
+    ParameterError,
+    Scene,
+    grazing_window,
+    load_scene,
+    scene_names,
+    simulate,
+)
 from symosc.plot.explorer.answers import (
     FIELDS,
+    KINETIC,
     MOST_SHOWN_EVENTS,
     RINGS,
     TABLE_ROWS,
     answer,
     link_of,
+    notes_of,
     read_link,
     scene_of,
+    settled,
     state_of,
 )
 from symosc.scenes import as_toml, read_scene
@@ -142,6 +155,74 @@ def test_no_input_makes_it_fail() -> None:
         assert content["link"].startswith("scene=")
 
 
+# -- static friction --------------------------------------------------------------------------------------------------
+
+
+BELT = Belt("1/5", mu="1/2", mu_s=1)
+ONE_BELT = Scene(
+    "mine", Oscillator(m=1, c=0, k=1, belts=[BELT]), t0=0, x0=0, v0="1/5", t_end=40, source="here"
+)
+
+
+def test_static_friction_is_followed() -> None:
+    """The motion is that of the oscillator with these belts; it differs from that without."""
+    p = FIG5.parameters
+    law = Oscillator(
+        m=1, c=1, k=1, A0=-15, B0=10, Omega=1, FN="9.81", belts=[Belt(1, "0.8", mu_s=2), Belt(5, "0.6")]
+    )  # fmt: skip
+    content = shown(state_of(FIG5) | {"mu_s1": "2"})
+    expected = simulate(law, t_end=40)
+    assert content["word"] == expected.word != simulate(p, t_end=40).word
+    times = [float(row[1]) for row in content["table"]]
+    assert times == pytest.approx([event.t for event in expected.events], rel=1e-7)
+    same = shown(state_of(FIG5) | {"mu_s1": "4/5", "mu_s2": " "})
+    assert same["name"] == "fig5"  # static friction equal to kinetic friction is the scene itself
+
+
+def test_one_belt_is_shown_with_a_second_one_far_away() -> None:
+    content = shown(state_of(ONE_BELT))
+    expected = simulate(ONE_BELT)
+    times = [float(row[1]) for row in content["table"]]
+    assert times == pytest.approx([event.t for event in expected.events], rel=1e-7)
+    assert content["belts"]["drawn"] == [True, False]
+    assert any("one belt" in note for note in notes_of(ONE_BELT))
+    assert notes_of(FIG5) == []
+
+
+def test_the_settled_motion_of_a_belt_is_its_limit_cycle() -> None:
+    """Its period has a closed form, and so has its largest position."""
+    found = settled(link_of(state_of(ONE_BELT)), FIG5)
+    period = 2 * 0.5 / 0.2 + 2 * (pi - atan(0.5 / 0.2))
+    assert f"period {period:.6g} s" in found["text"]
+    assert max(found["curve"]["x"]) == pytest.approx(0.5 + hypot(0.5, 0.2), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("text", "allowed"), [("0.7", "at least mu1"), ("x", "not a number"), ("-1", "at least")]
+)
+def test_static_friction_that_is_wrong_is_said(text: str, allowed: str) -> None:
+    content = answer(link_of(state_of(FIG5) | {"mu_s1": text}), FIG5)
+    assert list(content["errors"]) == ["mu_s1"]
+    assert allowed in content["errors"]["mu_s1"]
+
+
+def test_laws_without_fields_are_refused(address: str) -> None:
+    laws = (
+        [Belt(1, curve=[(0, 1), (1, "1/2")])],
+        [Belt(1, 1, slope=1)],
+        [Belt(0, 1), Belt(1, 1), Belt(2, 1)],
+    )
+    for belts in laws:
+        scene = replace(ONE_BELT, parameters=Oscillator(m=1, c=0, k=1, belts=belts))
+        with pytest.raises(ParameterError, match="symosc simulate and symosc figure follow"):
+            state_of(scene)
+        response, text = ask(address, "/scene", as_toml(scene).encode())
+        assert response.status == 200
+        assert "follow" in json.loads(text)["error"]
+    _, text = ask(address, "/scene", as_toml(ONE_BELT).encode())
+    assert json.loads(text)["state"] == state_of(ONE_BELT)
+
+
 # -- texts, links and files -------------------------------------------------------------------------------------------
 
 
@@ -150,6 +231,8 @@ def test_a_link_and_a_file_have_the_whole_state() -> None:
     for state in [
         *(state_of(load_scene(name)) for name in scene_names()),
         *(random_state(rng) for _ in range(20)),
+        *(random_state(rng) | {"mu_s1": "31/2"} for _ in range(3)),
+        *(random_state(rng) | {"mu_s1": "20.5", "mu_s2": "1e2"} for _ in range(3)),
     ]:
         scene, errors = scene_of(state)
         assert scene is not None, (state, errors)
@@ -157,9 +240,11 @@ def test_a_link_and_a_file_have_the_whole_state() -> None:
         again, _ = scene_of(state_of(read_scene(as_toml(scene), "file")))
         assert again == scene
         for field in FIELDS:
-            assert field == "periods" or Fraction(state_of(scene)[field]) == Fraction(
-                state[field].strip()
-            )
+            text = state_of(scene)[field]
+            if field in KINETIC and not state[field]:
+                assert text == ""
+            else:
+                assert field == "periods" or Fraction(text) == Fraction(state[field].strip())
     for name in scene_names():
         assert scene_of(state_of(load_scene(name))) == (load_scene(name), {})
 

@@ -28,6 +28,8 @@ def random_state(rng: random.Random) -> dict[str, str]:
     state = {name: text(-20, 20) for name in ("A0", "B0", "x0", "v0", "t0")}
     state |= {name: text(0.5, 9) for name in ("m", "c", "k", "Omega", "mu1", "mu2", "FN")}
     return state | {
+        "mu_s1": "",
+        "mu_s2": "",
         "v1": text(-9, -1),
         "v2": text(1, 9),
         "periods": text(0.6, 30),

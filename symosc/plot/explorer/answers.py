@@ -8,7 +8,7 @@ The state of the page is a text for each number. A text is read exactly, as in s
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
@@ -25,7 +25,15 @@ from symosc.base.exact import read_start_error, show
 from symosc.base.quantities import FORMS, QUANTITIES, read_number, unit_of
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels.theorem7_cases import PLACES
-from symosc.model import PARAMETER_NAMES, Parameters, by_name
+from symosc.model import (
+    OSCILLATOR_NAMES,
+    PARAMETER_NAMES,
+    Belt,
+    Model,
+    Oscillator,
+    Parameters,
+    by_name,
+)
 from symosc.orbits.find import find_orbit
 from symosc.plot.figures import simulate_orbit
 from symosc.plot.panels import EVENT_MARKS, SHAPES, Sampling, View, view_of
@@ -41,12 +49,16 @@ STARTS = ("t0", "x0", "v0")
 #: How the page says what is wrong with a text that is no number.
 IN_SHORT = {FORMS: "is not a number; 0.8, 4/5, 8e-1 and 2*pi are"}
 CHANGED = ", changed"
+#: What may be left out: static friction, which is then the kinetic friction of this name.
+KINETIC = {"mu_s1": "mu1", "mu_s2": "mu2"}
+EMPTY = {"mu_s1": "= μ₁", "mu_s2": "= μ₂"}
+ONE_BELT = "the scene has one belt; the second one of the page has no friction and is far away"
 SOURCE = "symosc explore"
 
 
 class Field(NamedTuple):
     """An input field of a number on the page, and the range of its slider, which a typed number may
-    exceed.
+    exceed. `empty` says what an empty field means, where it may be empty.
     """
 
     name: str
@@ -56,6 +68,7 @@ class Field(NamedTuple):
     step: str
     meaning: str
     unit: str
+    empty: str
 
 
 def _fields(*rows: str) -> list[Field]:
@@ -69,7 +82,9 @@ def _fields(*rows: str) -> list[Field]:
         if name == "periods":
             meaning = "forcing periods shown"
             unit = "2π/Ω"
-        fields.append(Field(name, symbol, low, high, step, meaning, "" if unit == "1" else unit))
+        if unit == "1":
+            unit = ""
+        fields.append(Field(name, symbol, low, high, step, meaning, unit, EMPTY.get(name, "")))
     return fields
 
 
@@ -84,6 +99,8 @@ GROUPS = {
         "v2 v₂ -15 30 0.05",
         "mu1 μ₁ 0 1.5 0.01",
         "mu2 μ₂ 0 1.5 0.01",
+        "mu_s1 μₛ₁ 0 1.5 0.01",
+        "mu_s2 μₛ₂ 0 1.5 0.01",
         "FN F_N 0 30 0.1",
     ),
     "Start, and how much is shown": _fields(
@@ -102,8 +119,10 @@ def shipped_scenes() -> dict[str, Scene]:
 
 
 def state_of(scene: Scene) -> dict[str, str]:
-    """Return the texts of the page's fields for a scene."""
-    state = {"scene": scene.name, **by_name(scene.parameters, show)}
+    """Return the texts of the page's fields for a scene; ParameterError for a law that they cannot
+    hold.
+    """
+    state = {"scene": scene.name, **texts_of(scene.parameters)}
     state |= {name: show(getattr(scene, name)) for name in STARTS}
     state["periods"] = (
         f"{float((scene.t_end - scene.t0) * scene.parameters.Omega) / tau:.{PERIODS_DIGITS}g}"
@@ -111,6 +130,42 @@ def state_of(scene: Scene) -> dict[str, str]:
     if scene.start_error is None:
         return state
     return state | {"start_error": ",".join(map(show, scene.start_error))}
+
+
+def texts_of(model: Model) -> dict[str, str]:
+    """Return the texts of the fields of a model; empty for static friction that is kinetic."""
+    texts = by_name(kinetic_of(model), show) | dict.fromkeys(KINETIC, "")
+    if isinstance(model, Oscillator):
+        static = {f"mu_s{n}": belt for n, belt in enumerate(model.belts, 1)}
+        texts |= {name: show(belt.mu_s) for name, belt in static.items() if belt.mu_s > belt.mu}
+    return texts
+
+
+def kinetic_of(model: Model) -> Parameters:
+    """Return a model without its static friction; in place of a missing belt is one far away.
+
+    ParameterError for what the page has no fields for: friction curves, and more than two belts.
+    """
+    if not isinstance(model, Oscillator):
+        return model.parameters
+    elsewhere = "symosc simulate and symosc figure follow"
+    for n, belt in enumerate(model.belts, 1):
+        if belt.curve or belt.slope:
+            allowed = f"belt {n} has friction that depends on speed, which {elsewhere}"
+            raise ParameterError("belts", belt, allowed)
+    if len(model.belts) > 2:
+        allowed = f"must be one or two on this page; {elsewhere} more"
+        raise ParameterError("belts", len(model.belts), allowed)
+    shared = {name: getattr(model, name) for name in OSCILLATOR_NAMES}
+    return Oscillator(**shared, belts=[Belt(belt.v, belt.mu) for belt in model.belts]).parameters
+
+
+def notes_of(scene: Scene) -> list[str]:
+    """Return what the page says of a scene file."""
+    notes = list(scene.notes)
+    if len(scene.parameters.law.belts) == 1:
+        notes.append(ONE_BELT)
+    return notes
 
 
 def read_link(query: str, default: Scene) -> tuple[dict[str, str], list[str]]:
@@ -146,6 +201,8 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     numbers = {}
     errors = {}
     for name in FIELDS:
+        if name in KINETIC and not state.get(name, "").strip():
+            continue
         try:
             numbers[name], _ = read_number(name, state[name])
         except ParameterError as error:
@@ -163,6 +220,9 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
             # An error of v1 may be that it is not less than v2.
             for name in ("v1", "v2") if error.name == "v1" else (error.name,):
                 numbers[name] = getattr(sound.parameters, name)
+    for name, kinetic in KINETIC.items():
+        if name in numbers and numbers[name] < numbers[kinetic]:
+            errors.setdefault(name, f"must be at least {kinetic} = {show(numbers[kinetic])}")
     if errors:
         return None, errors
     t_end = _end_time(numbers["t0"], numbers["periods"], parameters.Omega)
@@ -172,7 +232,7 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     try:
         scene = Scene(
             name,
-            parameters,
+            _with_static_friction(parameters, numbers),  # type: ignore[arg-type]
             **start,
             start_error=read_start_error(known.split(",")) if known else None,
         )
@@ -184,6 +244,17 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
     if shipped and state_of(shipped) == state_of(replace(scene, name=base)):
         return shipped, {}
     return replace(scene, name=base + CHANGED if shipped else name, source=SOURCE), {}
+
+
+def _with_static_friction(p: Parameters, numbers: Mapping[str, Fraction]) -> Model:
+    """Return the parameters, as an `Oscillator` if a belt's static friction exceeds its kinetic
+    friction.
+    """
+    static = [numbers.get("mu_s1", p.mu1), numbers.get("mu_s2", p.mu2)]
+    if static == [p.mu1, p.mu2]:
+        return p
+    belts = [Belt(p.v1, p.mu1, mu_s=static[0]), Belt(p.v2, p.mu2, mu_s=static[1])]
+    return Oscillator(**{name: getattr(p, name) for name in OSCILLATOR_NAMES}, belts=belts)
 
 
 def _end_time(t0: Fraction, periods: Fraction, Omega: Fraction) -> Fraction:
@@ -284,7 +355,9 @@ def _page_data(scene: Scene, trajectory: Trajectory) -> Record:
         name: F1 - difference for name, difference in differences.items()
     }
     ranges = _ranges(view, curves)
-    windows = [grazing_window(scene.parameters, mapping) for mapping in PLACES]
+    # The phases of a touch do not depend on static friction.
+    kinetic = kinetic_of(scene.parameters)
+    windows = [grazing_window(kinetic, mapping) for mapping in PLACES]
     if trajectory.status == "undecidable":
         hint = " (symosc simulate --digits)"
     else:
@@ -346,7 +419,7 @@ def settled(link: str, default: Scene) -> Record:
     curve = {"x": list[float](), "v": list[float]()}
     try:
         if scene is not None:
-            orbit = find_orbit(scene.parameters)
+            orbit = find_orbit(scene)
             view = view_of(simulate_orbit(orbit, 1), None, SAMPLING)
             curve = {"x": _rounded(view.x), "v": _rounded(view.v)}
             text = orbit.message

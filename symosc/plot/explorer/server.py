@@ -190,7 +190,7 @@ class _Handler(BaseHTTPRequestHandler):
             return
         try:
             scene = read_scene(self.rfile.read(int(length)).decode("utf-8-sig"), "of this file")
-            self._send_json({"state": answers.state_of(scene), "notes": list(scene.notes)})
+            self._send_json({"state": answers.state_of(scene), "notes": answers.notes_of(scene)})
         except TimeoutError:
             self.send_error(HTTPStatus.REQUEST_TIMEOUT)
         except UnicodeDecodeError:
