@@ -27,7 +27,7 @@ FOLDER = Path(__file__).parents[1] / "docs" / "literature"
 #: some seconds. The build of the site runs them all, and `test_site.py` reads what they print.
 SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in ("wall", "figures"))
 QUICK = ("feeny_liang", "andronov_vitt_khaikin", "bossolini_brons_kristiansen", "pulled_spring")
-SOME_SECONDS = ("csernak_licsko", "iklodi_dombovari", "leine")
+SOME_SECONDS = ("csernak_licsko", "iklodi_dombovari", "leine", "stender_hoffmann")
 
 
 def pace_of(name: str) -> Any:
