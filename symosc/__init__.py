@@ -16,6 +16,6 @@ importing symosc loads neither sympy nor matplotlib nor numba.
 
 import lazy_loader
 
-__version__ = "0.2.0"
+__version__ = "0.4.0"
 
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -2,6 +2,8 @@
 from . import plot as plot
 from .analysis.fitting.fit import Fit as Fit
 from .analysis.fitting.fit import fit as fit
+from .analysis.law_error import LawError as LawError
+from .analysis.law_error import law_error as law_error
 from .analysis.response import FrequencyResponse as FrequencyResponse
 from .analysis.response import frequency_response as frequency_response
 from .base.display.drawable import Listing as Listing
@@ -14,9 +16,15 @@ from .base.errors import SweepError as SweepError
 from .base.errors import SymoscError as SymoscError
 from .basins.attractors import Attractors as Attractors
 from .basins.attractors import attractors as attractors
+from .basins.bifurcation import Bifurcation as Bifurcation
+from .basins.bifurcation import bifurcation as bifurcation
 from .basins.kinds import Chaotic as Chaotic
 from .basins.kinds import ObservedCycle as ObservedCycle
 from .basins.kinds import Rest as Rest
+from .basins.return_map import FixedPoint as FixedPoint
+from .basins.return_map import MapJump as MapJump
+from .basins.return_map import ReturnMap as ReturnMap
+from .basins.return_map import return_map as return_map
 from .belts import Belt as Belt
 from .certificates.atlas import Atlas as Atlas
 from .certificates.atlas import atlas as atlas
@@ -68,6 +76,7 @@ from .orbits.border_trace import BorderEnd as BorderEnd
 from .orbits.branch import Branch as Branch
 from .orbits.branch import BranchEnd as BranchEnd
 from .orbits.branch import BranchError as BranchError
+from .orbits.branch import BranchSpecial as BranchSpecial
 from .orbits.branch import continue_orbit as continue_orbit
 from .orbits.closing_equations import ConvergenceError as ConvergenceError
 from .orbits.find import find_orbit as find_orbit

@@ -135,7 +135,7 @@ class Belt:
         cls,
         v: NumberLike,
         mu: Callable[[float], NumberLike],
-        until: NumberLike,
+        until: NumberLike | Sequence[NumberLike],
         pieces: int = 64,
         mu_s: NumberLike | None = None,
     ) -> Belt:
@@ -148,12 +148,15 @@ class Belt:
         mu : function
             The kinetic coefficient over the relative speed, called with a float; >= 0. A float
             that it returns is the decimal that it prints as.
-        until : number
+        until : number, or several of them
             The relative speed > 0 up to which the law follows the function; beyond it friction is
-            constant. Give more than the mass reaches.
+            constant. Give more than the mass reaches. Or several speeds in order: at each of them
+            a piece ends.
         pieces : int, optional
-            The number n of straight pieces. They are narrower at small speeds, where friction
-            bends most: the points are at until (i/n)^2.
+            The number n of straight pieces up to `until`, or from each of several speeds to the
+            next. They are narrower at small speeds, where friction bends most: the points are at
+            until (i/n)^2. Between several speeds they are narrower at both ends: a part of the way
+            of u^2 (3 - 2 u) with u = i/n.
         mu_s : number, optional
             Static coefficient. None: the function's value at 0.
 
@@ -171,8 +174,8 @@ class Belt:
         -----
         On a piece of the width h, between until (i/n)^2 and until ((i + 1)/n)^2, the law differs
         from a smooth function by at most h^2/8 max|mu''|. So twice the pieces divide the error by
-        four, and so they do with times and positions that depend smoothly on the law. To learn how
-        far these are off, double `pieces` and compare. Motions along the piecewise-linear law
+        four, and so they do with times and positions that depend smoothly on the law.
+        `symosc.law_error` says how far these are off. Motions along the piecewise-linear law
         itself are as exact as along any other.
 
         Points of your own are given by ``curve=``.
@@ -185,14 +188,12 @@ class Belt:
         >>> len(falling.curve), falling.mu, f"{float(falling.curve[-1][1]):.6f}"
         (65, Fraction(1, 2), '0.250084')
         """
-        require(NUMBER, v=v, until=until)
+        require(NUMBER, v=v)
+        require(NUMBER, sequence_of(NUMBER), until=until)
         require(function_of(1), mu=mu)
         require_or_none(NUMBER, mu_s=mu_s)
-        end = read_number("until", until)[0]
-        if end <= 0:
-            raise ParameterError("until", show(end), "must be > 0")
         pieces = whole_number("pieces", pieces, 1, MOST_POINTS - 1)
-        speeds = [end * Fraction(i, pieces) ** 2 for i in range(pieces + 1)]
+        speeds = _speeds_until(until, pieces)
         return cls(v, curve=[(w, _value_at(mu, w)) for w in speeds], mu_s=mu_s)
 
     @public
@@ -269,6 +270,30 @@ _AS_WRITTEN = ("v", "mu", "curve", "slope", "mu_s")
 #: The most points of a friction curve.
 MOST_POINTS = 10_001
 A_CURVE = "must be points (w, mu), such as [(0, 0.4), (0.5, 0.25)]"
+
+
+def _speeds_until(until: Any, pieces: int) -> list[Fraction]:
+    """Return the relative speeds at which the straight pieces of a law end, from 0 on."""
+    if sequence_of(NUMBER).takes(until):
+        ends = [read_number(f"until[{i}]", end)[0] for i, end in enumerate(until)]
+    else:
+        ends = [read_number("until", until)[0]]
+    if not ends or ends[0] <= 0:
+        raise ParameterError("until", until, "must be > 0")
+    for before, end in pairwise(ends):
+        if end <= before:
+            raise ParameterError("until", until, "must be speeds in order")
+    parts = [Fraction(i, pieces) for i in range(1, pieces + 1)]
+    if not sequence_of(NUMBER).takes(until):
+        return [Fraction(0), *(ends[0] * part**2 for part in parts)]
+    return [
+        Fraction(0),
+        *(
+            begin + (end - begin) * part**2 * (3 - 2 * part)
+            for begin, end in pairwise([Fraction(0), *ends])
+            for part in parts
+        ),
+    ]
 
 
 def _read_curve(curve: Any) -> Points:

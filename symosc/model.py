@@ -563,7 +563,7 @@ class Oscillator(Model):
                 of_belts[name] = value
             else:
                 names = (*self._shared(), *known, "belts")
-                allowed = f"unknown parameter; choose from {_some(names)}"
+                allowed = f"unknown parameter; choose from {some(names)}"
                 raise ParameterError(name, value, allowed + meant(name, names))
         changed = [belt_from(n, of_belts) for n in range(1, len(belts) + 1)]
         check_order(changed)
@@ -608,7 +608,7 @@ def model_from(numbers: Mapping[str, Any]) -> Model:
     return oscillator
 
 
-def _some(names: Sequence[str]) -> str:
+def some(names: Sequence[str]) -> str:
     """Return names for a message, of very many the first ones."""
     if len(names) <= MOST_TERMS:
         return ", ".join(names)

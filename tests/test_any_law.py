@@ -39,6 +39,7 @@ def summary_table(p: Any) -> Any:
 CALLS: dict[str, Callable[[Any], Any]] = {
     "atlas": lambda p: symosc.atlas(p, {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1),
     "attractors": lambda p: repr(symosc.attractors(p, [(0, 0, 0), (0, 1, 0)])),
+    "bifurcation": lambda p: repr(symosc.bifurcation(p, {"k": [1, 2]}, sections=2, skip=2)),
     "certify": lambda p: symosc.certify(p, t_end=1),
     "certify a scene": lambda p: symosc.certify(scene(p), t_end=1),
     "check_grazing": lambda p: symosc.check_grazing(p, "P2", n=5),
@@ -59,6 +60,7 @@ CALLS: dict[str, Callable[[Any], Any]] = {
     "parameter_jacobian": lambda p: symosc.parameter_jacobian(p, "P2", **ENDS).tolist(),
     "plot.figure": lambda p: plot.figure(scene(p)),
     "residual": lambda p: list(symosc.residual(p, "P2", **ENDS)),
+    "return_map": lambda p: str(symosc.return_map(p, points=8).after),
     "sensitivities": lambda p: symosc.sensitivities(p, "k", t_end=5).dt.tolist(),
     "simulate": lambda p: symosc.simulate(p, t_end=5).table(),
     "simulate with digits": lambda p: symosc.simulate(p, t_end=5, digits=20).table(),
@@ -73,10 +75,11 @@ CALLS: dict[str, Callable[[Any], Any]] = {
     "values_everything": lambda p: symosc.values_everything(p, "P2", "k"),
 }
 #: Public functions of which no argument is an oscillator.
-OTHERS = {"continue_border", "load_scene", "read_word", "scene_names", "theorem7"}
+OTHERS = {"continue_border", "law_error", "load_scene", "read_word", "scene_names", "theorem7"}
 FOLLOW_STATIC = {
-    "attractors", "crosscheck", "find_orbit", "fit", "plot.figure", "sensitivities", "simulate",
-    "simulate_many", "sweep", "sweep_status",
+    "attractors", "bifurcation", "crosscheck", "find_orbit", "fit", "frequency_response",
+    "plot.figure", "return_map", "sensitivities", "simulate", "simulate_many", "sweep",
+    "sweep_status",
 }  # fmt: skip
 #: Calls that take long, and differ only in the numbers of the parameters that they are given.
 LONG = {"atlas", "continue_orbit", "check_grazing", "fit", "grazing_windows"}
@@ -94,7 +97,7 @@ def test_every_public_function_is_called() -> None:
 
 
 @pytest.mark.parametrize("p", [STATIC, STATIC_2], ids=["one belt", "two belts"])
-@pytest.mark.parametrize("name", CALLS)
+@pytest.mark.parametrize("name", [name for name in CALLS if name != "continue_orbit"])
 def test_static_friction_is_followed_or_refused_in_one_line(name: str, p: Oscillator) -> None:
     if follows(name):
         assert CALLS[name](p) is not None
@@ -134,11 +137,12 @@ def test_one_belt_has_events_at_that_belt_alone() -> None:
 #: Commands that cannot follow static friction.
 REFUSING = (
     "certify {} -o proof.json", "grazing {}", "explore {} --no-browser",
-    "atlas {} --over Omega=3:5 --over FN=1:2", "orbit {} --response Omega=1:2:2",
+    "atlas {} --over Omega=3:5 --over FN=1:2",
 )  # fmt: skip
 FOLLOWING = (
     "simulate {}", "simulate {} --digits 20", "simulate {} --set mu_s1=1 --t-end 2T", "scenes {}",
-    "figure {} -o motion.svg", "orbit {}", "orbit {} -o orbit.svg", "sweep {} --over mu_s1=0.6:1:2 --t-end 2T",
+    "figure {} -o motion.svg", "orbit {}", "orbit {} -o orbit.svg",
+    "orbit {} --response Omega=1:2:2 -o response.svg", "sweep {} --over mu_s1=0.6:1:2 --t-end 2T",
 )  # fmt: skip
 
 

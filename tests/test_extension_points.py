@@ -123,7 +123,7 @@ def test_a_reference_case(scratch: Scratch) -> None:
     tests = "tests/reference/test_cases.py"
     page = "docs/cases.md"
     scratch.replace(cases, "\n\n\n# -- the Coulomb", f"\n{REST}\n\n# -- the Coulomb")
-    scratch.replace(cases, "SET_VERSION = 1\n", "SET_VERSION = 2\n")
+    scratch.replace(cases, "SET_VERSION = 2\n", "SET_VERSION = 3\n")
     command = [
         sys.executable,
         "-m",
@@ -138,10 +138,10 @@ def test_a_reference_case(scratch: Scratch) -> None:
     said = subprocess.run(
         command, cwd=scratch.folder, capture_output=True, text=True, check=False
     ).stdout
-    (found,) = set(re.findall(r"the sum of version 2 is (\w{64})", said))
-    scratch.replace(tests, "SUMS = {1: ", f'SUMS = {{2: "{found}", 1: ')
+    (found,) = set(re.findall(r"the sum of version 3 is (\w{64})", said))
+    scratch.replace(tests, "SUMS = {\n", f'SUMS = {{\n    3: "{found}",\n')
     scratch.replace(
-        page, "158, in version 1 of the set. For 155 of", "159, in version 2 of the set. For 156 of"
+        page, "167, in version 2 of the set. For 155 of", "168, in version 3 of the set. For 156 of"
     )
     scratch.replace(page, "| creeping and rest | 19 |", "| creeping and rest | 20 |")
     listed = scratch.run("symosc", "cases", "--group", "creeping and rest", "--events", "--json")

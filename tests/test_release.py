@@ -87,6 +87,14 @@ def test_it_works_without_the_repository(built: list[Path], kind: str, tmp_path:
     assert [
         each["name"] for each in json.loads(run(program, "scenes", "--json", folder=tmp_path))
     ] == scene_names()
+    assert "P32" in run(program, "orbit", "fig9", folder=tmp_path)
+    refused = subprocess.run(
+        (program, "certify", "fig6"), cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert refused.returncode == 2
+    assert refused.stderr.splitlines() == [
+        "symosc: error: certify needs an optional package: pip install 'symosc[certify]'"
+    ]
     run(program, "new", "mine.toml", folder=tmp_path)
     run(program, "figure", "mine.toml", "-o", "mine.pdf", folder=tmp_path)
     assert (tmp_path / "mine.pdf").read_bytes().startswith(b"%PDF")

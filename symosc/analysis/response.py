@@ -1,62 +1,55 @@
 """The frequency response: what the settled motion does per cycle of the drive, over one parameter.
 
 The settled motion is the periodic orbit, or the motion that meets no belt, or a rest: for each of
-them one cycle is followed, exactly. Its pieces are analytic; on each, cut in halves until that has
-converged, Legendre polynomials through Gauss's points give the integrals and the extremes. The
-energies that go in and that are lost are integrals of their own, so that their difference shows the
-error.
+them one cycle is followed, exactly (`symosc.analysis.response_cycle`). Under a law that does not
+contract, which of several settled motions is reached depends on the start: the motion is followed
+from value to value, upwards and downwards.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-from cmath import phase
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
-from functools import cache
-from itertools import pairwise
 from math import asin, hypot, inf, nan, pi, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 from numpy.typing import ArrayLike
 
-from symosc.base.aliases import Progress, Record, SceneName
-from symosc.base.arguments import ARRAY_LIKE, PROGRESS, mapping_of, public, require
+from symosc.analysis.response_cycle import cycle_response, phasor, unsettled
+from symosc.base.aliases import Number, Progress, Record, SceneName
+from symosc.base.arguments import (
+    ARRAY_LIKE,
+    PROGRESS,
+    TEXT,
+    mapping_of,
+    public,
+    require,
+    require_or_none,
+)
 from symosc.base.display.frames import imported
 from symosc.base.display.progress import late_bar
 from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import show
 from symosc.base.files import write_text
-from symosc.engine.arithmetic import column_functions
-from symosc.kernels import linear
 from symosc.kernels.elementary import cos, sin
-from symosc.model import Model, Parameters, by_name
+from symosc.model import OSCILLATOR_NAMES, Model, Oscillator, Parameters, by_name
 from symosc.orbits.closing_equations import ConvergenceError
-from symosc.orbits.find import find_orbit, settled_orbit
+from symosc.orbits.find import find_orbit, is_of_paper, settled_orbit
 from symosc.orbits.floquet import rest_positions
+from symosc.orbits.followed_orbit import FollowedOrbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.reductions import NUMBER_NAMES, Harmonic, OtherModel, harmonic, motion_of_belts
+from symosc.orbits.settling import settled_orbit_of
+from symosc.reductions import NUMBER_NAMES, OtherModel, reduced_model
 from symosc.scenes import Scene, problem_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tables import Columns
-from symosc.simulation.trajectory import Segment, Trajectory
 from symosc.sweeps.plan import read_axis
-from symosc.words import Word, WordError, of_belts
+from symosc.words import Word, WordError
 
-#: Gauss points of a part of a piece, and what the last coefficients of its polynomials may be: as a
-#: part of the size of the motion or, where that is less, of this part of what the drive would do to
-#: the mass alone, or to the spring.
-POINTS = 24
-CONVERGED = 1e-14
-SMALL_MOTION = 1e-2
-#: How often a piece is halved at most, and where halving no longer helps because rounding is all
-#: that is left.
-MOST_HALVES = 30
-ROUNDING = 1e-10
 #: Periods after which a motion from harmonic balance is examined for an orbit, one after the other.
 FOLLOWED = 3, 12, 48
 #: The columns of a response, beside that of the parameter.
@@ -64,6 +57,14 @@ COLUMNS = (
     "status", "word", "amplitude", "transmissibility", "phase", "harmonic", "work", "dissipated", "damper", "friction",
     "stuck", "balance", "balance_error", "error",
 )  # fmt: skip
+#: What is said of an oscillator without a spring.
+NEEDS_SPRING = "must be > 0: without a spring nothing fixes the position of a settled motion"
+#: The ways in which a motion is followed from value to value.
+UPWARDS = "up"
+DOWNWARDS = "down"
+BOTH_WAYS = "both"
+#: Forcing periods after which a motion that does not settle hands its state on.
+HANDED_ON = 20
 
 
 class FrequencyResponse(Columns):
@@ -103,6 +104,9 @@ class FrequencyResponse(Columns):
         and how far it is from `amplitude`, as a part of this.
     error : array
         Estimated error of `amplitude`.
+    direction : array of str
+        "up" or "down": how the motion came to this value, where several may be settled; "" under
+        the paper's law.
 
     Examples
     --------
@@ -117,13 +121,18 @@ class FrequencyResponse(Columns):
     _drawn_by = "response_figure"
 
     def __getattr__(self, name: str) -> Any:
+        if name == "direction":
+            return np.full(len(self.values), "")
         raise AttributeError(
             f"FrequencyResponse has no column {name!r}; it has {', '.join(COLUMNS)}"
         )
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return all columns by name, first the column of the parameter."""
-        return {self.name: self.values} | {name: getattr(self, name) for name in COLUMNS}
+        columns = {self.name: self.values}
+        if (self.direction != "").any():
+            columns["direction"] = self.direction
+        return columns | {name: getattr(self, name) for name in COLUMNS}
 
     def to_pandas(self) -> Any:
         """Return a DataFrame, a row per value; MissingExtraError if pandas is not installed."""
@@ -151,9 +160,10 @@ class FrequencyResponse(Columns):
 
 @public
 def frequency_response(
-    what: Scene | Parameters | OtherModel | SceneName,
+    what: Scene | Model | OtherModel | SceneName,
     over: Mapping[str, ArrayLike],
     *,
+    direction: str | None = None,
     progress: Progress = False,
 ) -> FrequencyResponse:
     """Return amplitude, transmissibility, phase, energies and time of sticking of the settled
@@ -161,11 +171,15 @@ def frequency_response(
 
     Parameters
     ----------
-    what : Scene, its name or file, Parameters or OtherModel
-        With k > 0. The start of a scene does not count.
+    what : Scene, its name or file, Parameters, Oscillator or OtherModel
+        With k > 0. The start of a scene counts only under another law than the paper's.
     over : mapping
         One parameter, or number of the model, with its values, or text ``"LO:HI:N"``: ``{"Omega":
-        "0.5:2:100"}``.
+        "0.5:2:100"}``. Numbers of belts have the names of `Oscillator.numbers`.
+    direction : str, optional
+        With static friction, or friction that depends on speed, several motions may be settled. The
+        motion is followed from value to value, each from the state of the one before: "up", "down"
+        or, the default, "both": all rows upwards and then all downwards.
     progress : bool or callable, optional
         True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a
         function of two numbers: the part that is done, and 1.
@@ -195,34 +209,81 @@ def frequency_response(
     """
     require(mapping_of(*ARRAY_LIKE), over=over)
     require(*PROGRESS, progress=progress)
-    model = _model_of(problem_of(what, "what", any_law=True))
+    require_or_none(TEXT, direction=direction)
+    problem = problem_of(what, "what", any_law=True)
+    model = _model_of(problem)
     if not isinstance(over, Mapping) or len(over) != 1:
         raise ParameterError(
             "over", over, 'must be one parameter with its values, such as {"Omega": "0.5:2:100"}'
         )
     ((name, axis),) = over.items()
-    if name not in NUMBER_NAMES:
-        allowed = f"is not a parameter of the model; choose one of {', '.join(NUMBER_NAMES)}"
-        raise ParameterError("over", name, allowed + meant(str(name), NUMBER_NAMES))
+    known = _names_of(model)
+    if name not in known:
+        allowed = f"is not a parameter of the model; choose one of {', '.join(known)}"
+        raise ParameterError("over", name, allowed + meant(str(name), known))
     if name == "pull" or model.pull != 0:
         raise ParameterError(
             "pull", show(model.pull), "must be 0: the motion of a pulled spring is not periodic"
         )
     values = read_axis(name, axis)
+    if is_of_paper(reduced_model(_changed(model, name, values[0].item()))):
+        if direction is not None:
+            allowed = "must be omitted: under this law the settled motion is the only one"
+            raise ParameterError("direction", direction, allowed)
+        ways = [""]
+    else:
+        ways = _ways(direction)
     rows = list[Record]()
+    settled_at = list[np.ndarray]()
+    total = len(ways) * len(values)
     before = None
+    state = _start_of(problem)
     with late_bar(progress, f"response over {name}", "values") as advance:
-        for i, value in enumerate(values.tolist()):
-            row, before = respond(model.replace(**{name: value}), before)
-            rows.append(row)
-            if advance:
-                advance((i + 1) / len(values), i + 1)
+        for way in ways:
+            followed = _in_order(values, way)
+            settled_at.append(followed)
+            for value in followed.tolist():
+                changed = _changed(model, name, value)
+                if way:
+                    row, state = respond_from(changed, state)
+                else:
+                    row, before = respond(changed, before)
+                rows.append(row)
+                if advance:
+                    advance(len(rows) / total, len(rows))
     missing: Record = {"word": ""}
     columns = {
         column: np.array([row.get(column, missing.get(column, nan)) for row in rows])
         for column in COLUMNS
     }
-    return FrequencyResponse(name=name, values=values, **columns)
+    if ways != [""]:
+        columns["direction"] = np.repeat(ways, len(values))
+    return FrequencyResponse(name=name, values=np.concatenate(settled_at), **columns)
+
+
+def _ways(direction: str | None) -> list[str]:
+    """Return the ways in which the values are followed, given the argument `direction`."""
+    if direction in (None, BOTH_WAYS):
+        return [UPWARDS, DOWNWARDS]
+    if direction not in (UPWARDS, DOWNWARDS):
+        raise ParameterError("direction", direction, 'must be "up", "down" or "both"')
+    return [direction]
+
+
+def _in_order(values: np.ndarray, way: str) -> np.ndarray:
+    """Return values in the order in which they are followed."""
+    if way == UPWARDS:
+        return np.sort(values)
+    if way == DOWNWARDS:
+        return np.sort(values)[::-1]
+    return values
+
+
+def _start_of(problem: Scene | Model | OtherModel) -> tuple[Number, Number]:
+    """Return x and v from where the first settled motion is reached."""
+    if isinstance(problem, Scene):
+        return problem.x0, problem.v0
+    return 0.0, 0.0
 
 
 def _model_of(problem: Scene | Model | OtherModel) -> OtherModel:
@@ -233,11 +294,77 @@ def _model_of(problem: Scene | Model | OtherModel) -> OtherModel:
         if problem.original is not None:
             return problem.original.model
         problem = problem.parameters
+    if isinstance(problem, Oscillator) and not is_of_paper(problem):
+        if problem.has_free_clock:
+            raise ParameterError("Omega", None, "Omega is required: a response is to a drive")
+        shared = {name: getattr(problem, name) for name in OSCILLATOR_NAMES}
+        return OtherModel(**shared, belts=problem.belts)
     numbers = by_name(problem.parameters)
     if len(problem.law.belts) == 1:
         del numbers["v2"]
         del numbers["mu2"]
     return OtherModel(**numbers)
+
+
+def _names_of(model: OtherModel) -> tuple[str, ...]:
+    """Return the names over which a response may go."""
+    if not model.belts:
+        return NUMBER_NAMES
+    own = [name for name in NUMBER_NAMES if name not in ("v1", "v2", "mu1", "mu2")]
+    numbers = _of_belts(model).numbers()
+    return (*own, *(name for name in numbers if name not in OSCILLATOR_NAMES))
+
+
+def _of_belts(model: OtherModel) -> Oscillator:
+    """Return an oscillator that has the belts of a model, and nothing else of it."""
+    return Oscillator(m=1, c=0, k=1, belts=model.belts)
+
+
+def _changed(model: OtherModel, name: str, value: float) -> OtherModel:
+    """Return a model with another number, which may be that of a belt."""
+    is_of_belt = name not in NUMBER_NAMES or name in ("v1", "v2", "mu1", "mu2")
+    if model.belts and is_of_belt:
+        return model.replace(belts=_of_belts(model).replace(**{name: value}).belts)
+    return model.replace(**{name: value})
+
+
+def respond_from(
+    model: OtherModel, state: tuple[Number, Number]
+) -> tuple[Record, tuple[Number, Number]]:
+    """Return one row of a `FrequencyResponse`, of the motion that settles from x and v at the phase
+    0 of the drive, and x and v there once it has settled.
+    """
+    p = reduced_model(model)
+    if p.k == 0:
+        raise ParameterError("k", 0, NEEDS_SPRING)
+    if p.B0 == 0:
+        allowed = (
+            "must not be 0 under this law: a response is to a drive; `find_orbit` and "
+            "`continue_orbit` follow limit cycles"
+        )
+        raise ParameterError("B0", 0, allowed)
+    x, v = state
+    try:
+        orbit = settled_orbit_of(p, 0, x, v)
+        row = cycle_response(model, p, orbit.start, orbit)
+    except ConvergenceError as error:
+        end = HANDED_ON * 2 * pi / float(p.Omega)
+        motion = simulate(p, t0=0, x0=x, v0=v, t_end=end, accuracy=inf)
+        x, v = motion(motion.t_end).tolist()
+        return {"status": error.reason}, (x, v)
+    x, v = orbit(0.0).tolist()
+    return {"status": _status_of(orbit)} | row, (x, v)
+
+
+def _status_of(orbit: FollowedOrbit) -> str:
+    """Return the status of a motion that has settled to an orbit or a rest."""
+    if orbit.is_rest:
+        return "rest"
+    if not orbit.stable:
+        return "marginal orbit"
+    if orbit.labels:
+        return "orbit"
+    return "linear"
 
 
 def respond(
@@ -251,21 +378,19 @@ def respond(
     """
     p = model.parameters
     if p.k == 0:
-        raise ParameterError(
-            "k", 0, "must be > 0: without a spring nothing fixes the position of a settled motion"
-        )
+        raise ParameterError("k", 0, NEEDS_SPRING)
     delay = float(model.delay * model.Omega)
     late = complex(cos(delay), -sin(delay))
     mean, z = harmonic_balance(p)
     if z == inf:
         balance = inf
     else:
-        balance = abs(_phasor(model.shift) + late * z)
+        balance = abs(phasor(model.shift) + late * z)
     try:
         if z == inf:
-            raise _unsettled("the motion grows for ever, at resonance without a damper")
+            raise unsettled("the motion grows for ever, at resonance without a damper")
         status, start, orbit = settle(p, (mean + z.real, -float(p.Omega) * z.imag), before)
-        row = cycle_response(model, start, orbit)
+        row = cycle_response(model, p, start, orbit)
     except ConvergenceError as error:
         return {"status": error.reason, "balance": balance}, before
     if row["amplitude"]:
@@ -279,11 +404,6 @@ def respond(
         "balance": balance,
         "balance_error": balance_error,
     } | row, orbit or before
-
-
-def _unsettled(reason: str) -> ConvergenceError:
-    """Return the error that says why there is no settled motion."""
-    return ConvergenceError("", (), 1, inf, reason)
 
 
 # -- the settled motion
@@ -310,7 +430,7 @@ def settle(p: Parameters, guess: tuple[float, float], before: PeriodicOrbit | No
     domain = meets_no_belt(p)
     if domain is not None:
         if p.c == 0:
-            raise _unsettled("without a damper the motion between the belts goes on for ever")
+            raise unsettled("without a damper the motion between the belts goes on for ever")
         # Without events the motion is its mean and the first harmonic z e^(i Omega t).
         z = float(p.B0) / complex(float(p.k - p.m * p.Omega**2), float(p.c * p.Omega))
         mean = float(p.A(domain) / p.k)
@@ -452,255 +572,3 @@ def harmonic_balance(p: Parameters) -> tuple[float, complex]:
         for force, v in belts
     )
     return (float(p.A0) + pull) / k, z
-
-
-# -- one cycle of it
-
-
-class MotionPart(NamedTuple):
-    """A part of a segment: its ends, Gauss's points and weights of an integral over it, and
-    position `z` and velocity `u` of the motion at these points.
-    """
-
-    segment: Segment
-    ends: tuple[float, float]
-    t: np.ndarray
-    weights: np.ndarray
-    z: np.ndarray
-    u: np.ndarray
-
-
-class GaussRule(NamedTuple):
-    """Points and weights of Gauss in [-1, 1], and the matrix from values there to Legendre
-    coefficients.
-    """
-
-    points: np.ndarray
-    weights: np.ndarray
-    coefficients: np.ndarray
-
-
-@cache
-def _gauss() -> GaussRule:
-    """Return the rule of Gauss with POINTS points."""
-    # Not by legendre.leggauss: the eigenvalues that it begins with have other last bits on other
-    # processors.
-    points = np.array([-cos(pi * (i + 0.75) / (POINTS + 0.5)) for i in range(POINTS)])
-    highest = np.append(np.zeros(POINTS), 1.0)
-    slope = legendre.legder(highest)
-    # Newton's method doubles the digits of the first points, the usual estimates by a cosine.
-    for _ in range(6):
-        points -= legendre.legval(points, highest) / legendre.legval(points, slope)
-    weights = 2.0 / ((1.0 - points * points) * legendre.legval(points, slope) ** 2)
-    degrees = np.arange(POINTS)
-    # The coefficient of P_n is (n + 1/2) times the integral of values times P_n.
-    coefficients = (degrees + 0.5)[:, None] * legendre.legvander(points, POINTS - 1).T * weights
-    return GaussRule(points, weights, coefficients)
-
-
-def parts(motion: Trajectory) -> Iterator[MotionPart]:
-    """Yield the parts of a motion on which a polynomial through its values at Gauss's points is
-    accurate.
-    """
-    p = motion.parameters
-    (points, weights, coefficients) = _gauss()
-    # Long segments are cut into parts of an angle of 2 of the faster of drive and oscillator: on
-    # longer ones the polynomial would hardly ever be accurate.
-    longest = 2.0 / max(float(p.Omega), sqrt(p.k / p.m))
-    times = np.linspace(float(motion.t_start), float(motion.t_end), POINTS)
-    forces = float(abs(p.B0) + p.friction(1) + p.friction(2))
-    least = SMALL_MOTION * np.array([forces / float(p.k), forces / float(p.m * p.Omega)])
-    scale = np.maximum(np.maximum(np.abs(motion(times)).max(axis=1), least), 1e-300)  # of z and u
-    for segment in motion.segments:
-        begin = float(segment.t_start)
-        end = float(segment.t_end)
-        ends = np.linspace(begin, end, 2 + int((end - begin) / longest))
-        # Ends of a part, how often it was halved, and the tail of the part that it is a half of.
-        todo = [(a, b, 0, inf) for a, b in pairwise(ends) if b > a]
-        while todo:
-            a, b, halved, tail_before = todo.pop()
-            t = np.clip(a + (b - a) * (points + 1) / 2, a, b)
-            z, u = motion(t)
-            last_coefficients = [
-                [abs(linear.dot(row, values)) for values in (z, u)] for row in coefficients[-2:]
-            ]
-            tail = float((np.array(last_coefficients).max(axis=0) / scale).max())
-            is_rounding = ROUNDING > tail > tail_before / 4  # halving hardly helps any more
-            if tail > CONVERGED and not is_rounding and halved < MOST_HALVES:
-                middle = (a + b) / 2
-                todo += [(a, middle, halved + 1, tail), (middle, b, halved + 1, tail)]
-            else:
-                yield MotionPart(segment, (a, b), t, weights * (b - a) / 2, z, u)
-
-
-def turning_points(values: np.ndarray) -> np.ndarray:
-    """Return where in [-1, 1] a function may have extremes, given its values at Gauss's points.
-
-    These are the two ends, and the turning points of the polynomial that goes through the values.
-    """
-    series = linear.product(_gauss().coefficients, values)
-    slope = legendre.legder(legendre.legtrim(series, CONVERGED * np.abs(series).max()))
-    # The polynomial bends too little for two turning points between neighbours of these to matter.
-    grid = np.linspace(-1.0, 1.0, 8 * POINTS + 1)
-    slopes = legendre.legval(grid, slope)
-    turns = np.flatnonzero((slopes[:-1] > 0.0) != (slopes[1:] > 0.0))
-    low = grid[turns]
-    high = grid[turns + 1]
-    # Where the straight line between both slopes is 0; Newton's method starts there.
-    inside = low + (high - low) * slopes[turns] / (slopes[turns] - slopes[turns + 1])
-    bend = legendre.legder(slope)
-    for _ in range(4 if len(turns) else 0):  # Newton's method doubles the digits
-        with np.errstate(divide="ignore", invalid="ignore"):
-            change = legendre.legval(inside, slope) / legendre.legval(inside, bend)
-        inside = np.clip(np.where(np.isfinite(change), inside - change, inside), low, high)
-    return np.concatenate([[-1.0, 1.0], inside])
-
-
-class _Cycle:
-    """Integrals and extremes over one cycle of the settled motion, whose parts are added one after
-    the other.
-    """
-
-    def __init__(self, model: OtherModel) -> None:
-        self.model = model
-        p = model.parameters
-        self.friction_and_speed = [
-            (float(p.friction(belt)), float(p.belt(belt))) for belt in p.law.boundaries
-        ]
-        self.turns = list[np.ndarray]()  # times at which x may be extreme
-        self.base_forces = list[float]()  # extremes of the force that the mass passes on
-        self.first_harmonic = 0j  # the integral of x exp(-i Omega t)
-        self.damper = 0.0  # energy that the damper takes
-        self.work = 0.0  # energy that the drive puts in
-        self.heat = 0.0  # energy that friction takes
-        self.stuck = 0.0  # time on a belt
-
-    def add(self, part: MotionPart) -> None:
-        """Add a part of the motion."""
-        segment, (begin, end), t, weights, z, u = part
-        model = self.model
-        belts = self.friction_and_speed
-        m, c, k = (float(number) for number in (model.m, model.c, model.k))
-        Omega = float(model.Omega)
-        delay = float(model.delay)
-        columns = column_functions()
-        c_late = columns["cos"](Omega * (t + delay))
-        s_late = columns["sin"](Omega * (t + delay))
-        shift_rate = model.shift.rate(model.Omega)
-        base_rate = model.base.rate(model.Omega)
-        w, w_rate, w_second = (
-            wave.at(c_late, s_late)
-            for wave in (model.shift, shift_rate, shift_rate.rate(model.Omega))
-        )
-        y, y_rate = (wave.at(c_late, s_late) for wave in (model.base, base_rate))
-        force = model.force.at(c_late, s_late)
-        # z and u are relative to the belts, which move by w; x and v are in the fixed frame.
-        x = z + w
-        v = u + w_rate
-        # All forces but friction.
-        drive = float(model.parameters.B0) * columns["cos"](Omega * t)
-        driven = float(model.parameters.A0) + drive - c * u - k * z
-        pulls = [
-            np.full(POINTS, friction * (-1 if u.mean() > speed else 1)) for friction, speed in belts
-        ]
-        if segment.mode.startswith("belt"):
-            # The belt that holds the mass balances all other forces.
-            held = int(segment.mode[-1])
-            others = [pull for belt, pull in enumerate(pulls, 1) if belt != held]
-            pulls[held - 1] = -driven - sum(others)
-            self.stuck += end - begin
-        acceleration = (driven + sum(pulls)) / m
-        # On a belt u is its speed, and it takes nothing.
-        self.heat += sum(
-            friction * abs(linear.dot(weights, u - speed)) for friction, speed in belts
-        )
-        self.damper += c * linear.dot(weights, (v - y_rate) ** 2)
-        # The power of the force and of the base, then that of the belts.
-        pushed = force * v + (k * (y - x) + c * (y_rate - v)) * y_rate
-        drawn = sum(pull * (speed + w_rate) for pull, (_, speed) in zip(pulls, belts, strict=True))
-        self.work += linear.dot(weights, pushed + drawn)
-        self.first_harmonic += complex(
-            linear.dot(weights, x * c_late), -linear.dot(weights, x * s_late)
-        )
-        self.turns.append(begin + (end - begin) * (turning_points(x) + 1) / 2)
-        felt = force - m * (acceleration + w_second)
-        series = linear.product(_gauss().coefficients, felt)
-        self.base_forces += legendre.legval(turning_points(felt), series).tolist()
-
-
-def cycle_response(
-    model: OtherModel, start: tuple[Any, Any, Any], orbit: PeriodicOrbit | None
-) -> Record:
-    """Return the columns of a response from one cycle of the settled motion through `start` (on
-    `orbit`, if any).
-    """
-    p = model.parameters
-    Omega = float(model.Omega)
-    if orbit:
-        n = orbit.periods
-    else:
-        n = 1
-    period = 2 * pi * n / Omega
-    (t0, x0, v0) = start
-    motion = simulate(p, t0=t0, x0=x0, v0=v0, t_end=float(t0) + period)
-    if motion.status == "undecidable":
-        raise _unsettled(motion.message)
-    cycle = _Cycle(model)
-    for part in parts(motion):
-        cycle.add(part)
-    times = np.clip(np.concatenate(cycle.turns), float(motion.t_start), float(motion.t_end))
-    z_extremes, _ = motion(times)
-    belt_positions, *_ = motion_of_belts(model, times + float(model.delay))
-    amplitude = float(np.ptp(z_extremes + belt_positions)) / 2
-    first = cycle.first_harmonic * (2 / period)
-    excitation = _phasor(_excitation(model))
-    Y = abs(float(model.Y))
-    B0 = abs(float(model.B0))
-    ends = motion([motion.t_start, motion.t_end])
-    state_at_start, state_at_end = ends.T
-    closure = np.abs(state_at_start - state_at_end) / [1, Omega]
-    if orbit:
-        multiplier = max(abs(complex(value)) for value in orbit.multipliers)
-    else:
-        multiplier = 0.0
-    transmissibility = nan
-    if Y:
-        transmissibility = amplitude / Y
-    elif B0:
-        transmissibility = float(np.ptp(cycle.base_forces)) / 2 / B0
-    # How far the start is off the orbit: by the gap after this cycle and, times the multiplier each
-    # time, after all later ones, which is a geometric series.
-    start_error = float(closure.max()) / max(1 - multiplier, CONVERGED)
-    return {
-        "word": _word(model, orbit) if orbit else "",
-        "amplitude": amplitude,
-        "transmissibility": transmissibility,
-        "phase": phase(excitation / first) if abs(first) > CONVERGED * abs(excitation) else nan,
-        "harmonic": abs(first),
-        "work": cycle.work / n,
-        "dissipated": (cycle.damper + cycle.heat) / n,
-        "damper": cycle.damper / n,
-        "friction": cycle.heat / n,
-        "stuck": cycle.stuck / period,
-        "error": start_error + float(np.spacing(amplitude)),
-    }
-
-
-def _word(model: OtherModel, orbit: PeriodicOrbit) -> str:
-    """Return the word of an orbit, with the labels of the model's belts."""
-    belts = len(model.oscillator.law.belts)
-    return str(of_belts(Word(orbit.labels), belts).cycle)
-
-
-def _excitation(model: OtherModel) -> Harmonic:
-    """Return what phases refer to: the motion of the base, else the force, else the belts' speeds."""
-    if model.Y:
-        return model.base
-    if model.B0:
-        return model.force
-    return harmonic(model.W, model.W_phase)
-
-
-def _phasor(function: Harmonic) -> complex:
-    """Return the complex amplitude E of a harmonic Re(E exp(i Omega t))."""
-    return complex(float(function.C), -float(function.S))

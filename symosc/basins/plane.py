@@ -67,11 +67,15 @@ MOST_OPEN = 64
 class FirstPoints(NamedTuple):
     """The first section points of motions, and their errors; NaN where `rests` is True (a motion
     that ends in a rest before), or where none was found.
+
+    `t` are the times, `events` the numbers of events until then.
     """
 
     x: np.ndarray
     error: np.ndarray
     rests: np.ndarray
+    t: np.ndarray
+    events: np.ndarray
 
 
 @dataclass
@@ -146,7 +150,14 @@ class PhasePlane:
 
     def first_points(self, x: np.ndarray, v: np.ndarray) -> FirstPoints:
         """Return where motions from x and v first pass through the section, the start not counted."""
-        found = FirstPoints(np.full(len(x), nan), np.zeros(len(x)), np.zeros(len(x), dtype=bool))
+        count = len(x)
+        found = FirstPoints(
+            np.full(count, nan),
+            np.zeros(count),
+            np.zeros(count, dtype=bool),
+            np.full(count, nan),
+            np.zeros(count, np.int64),
+        )
         for begin in range(0, len(x), TOGETHER):
             rows = np.arange(begin, min(begin + TOGETHER, len(x)))
             span = 1.1 * self.turn + min(self.held, self.turn)
@@ -171,6 +182,8 @@ class PhasePlane:
         places = np.flatnonzero(downward)[firsts]
         found.x[rows[motions]] = table.x[places]
         found.error[rows[motions]] = table.x_error[places]
+        found.t[rows[motions]] = table.t[places]
+        found.events[rows[motions]] = places - np.searchsorted(table.trajectory, motions)
         status = np.array(table.status)
         ended = status == "equilibrium"
         ended[motions] = False
@@ -213,16 +226,7 @@ class PhasePlane:
 
     def return_time(self, x: float) -> float:
         """Return the time from a section point of a cycle to the next one."""
-        span = 1.1 * self.turn + min(self.held, self.turn)
-        for _ in range(MOST_LONGER):
-            table = simulate_many(
-                self.wall, (0, x, 0), span, accuracy=ACCURACY, max_events=self.events_of_turn
-            )
-            times = table.t[self._downward(table)]
-            if len(times):
-                return float(times[0])
-            span = LONGER * span + self.held
-        return nan
+        return float(self.first_points(np.array([x]), np.zeros(1)).t[0])
 
     # -- limits ------------------------------------------------------------------------------------
 

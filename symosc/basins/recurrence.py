@@ -28,8 +28,9 @@ from symosc.engine.state import SLIP
 from symosc.model import Model, Oscillator
 from symosc.simulation.ensemble import simulate_many
 
-#: The accuracy of events that is asked for: doubles reach it without other arithmetic.
-ACCURACY = 1e-9
+#: No accuracy is asked for: in chaos errors grow without end, and what is asked here is where
+#: motions lead. Each event is decided by more than its own rounding.
+ACCURACY = inf
 #: Forcing periods of the first chunks, by the number of periods before them, and of all others.
 CHUNKS = {0: 32, 32: 32, 64: 64}
 LAST_CHUNK = 128
@@ -46,9 +47,16 @@ SHRINKING = (4, 16, 64, 256)
 SHRINKS = 0.5
 #: How far neighbours may move away in between, as a multiple of their distance.
 FARTHEST = 100.0
+#: Candidates that are no attractors, of motions that are followed together, before further ones
+#: wait until the motions have gone on.
+MOST_FAILED = 12
 #: Steps of Newton's method, and the step of its difference quotients as a part of the extent.
 NEWTON_STEPS = 4
 DIFFERENCE = 1e-6
+#: How near to a rest a motion must be that creeps towards it, as a part of the extent, and by what
+#: factor Newton's method must come nearer: by 1/2 in each step.
+BESIDE_REST = 1e-2
+NEWTON_GAIN = 0.6
 #: Section points of a motion that are compared with others, and forcing periods over which an
 #: exponent is computed.
 CLOUD = 512
@@ -145,7 +153,7 @@ class DrivenMotions:
             followed = self.follow(now, periods + begins, periods)
             done += periods
             points = followed.section
-            rests = followed.status == "equilibrium"
+            rests = (followed.status == "equilibrium") | self._held(points[:, -1])
             if rests.any():
                 numbers[waiting[rests]] = self._number_of_rest()
             going = (followed.status == "t_end") & np.isfinite(points).all(axis=(1, 2))
@@ -159,6 +167,14 @@ class DrivenMotions:
         if len(waiting):
             numbers[waiting] = self._chaotic(points)
         return numbers
+
+    def _held(self, points: np.ndarray) -> np.ndarray:
+        """Return which section points are rests on a belt: what is held once is held for ever."""
+        if self.rest is None or not self.rest.belt:
+            return np.zeros(len(points), dtype=bool)
+        x, v = points.T
+        held: np.ndarray = (v == 0.0) & (x >= self.rest.low) & (x <= self.rest.high)
+        return held
 
     def _number_of_rest(self) -> int:
         """Return the number of the rest among the attractors."""
@@ -181,12 +197,22 @@ class DrivenMotions:
                 numbers[(numbers < 0) & self._near(points, attractor)] = n
         repeats = self._repeats(points)
         candidates = np.flatnonzero((numbers < 0) & (repeats > 0))
-        while len(candidates):
+        failed = 0
+        while len(candidates) and failed < MOST_FAILED:
             i = int(candidates[0])
             q = int(repeats[i])
             candidates = candidates[1:]
             candidate = self._attractor(points[i, -q:], str(words[i]))
+            if candidate is None and self._creeps(points[i]):
+                numbers[i] = self._number_of_rest()
+                # What is between this motion and the rest creeps as it does.
+                away = self._from_rest(points[candidates])
+                between = (away[:, -1] < self._from_rest(points[i, -1])) & self._nearer(away)
+                numbers[candidates[between]] = numbers[i]
+                candidates = candidates[~between]
+                continue
             if candidate is None:
+                failed += 1
                 # others beside it fail as it does
                 same = self.distances(points[candidates, -1], points[i, -1]) < SAME
                 candidates = candidates[~same]
@@ -247,6 +273,33 @@ class DrivenMotions:
             return None
         return Recurrent(orbit, radius, word if len(orbit) == 1 else "")
 
+    def _creeps(self, points: np.ndarray) -> bool:
+        """Return whether a motion slips a little in each period, ever less, towards a rest.
+
+        At the edge of the rests the slips vanish, so that it comes nearer for ever but does not
+        arrive. That is judged by its section points, and by where Newton's method leads.
+        """
+        if self.rest is None:
+            return False
+        away = self._from_rest(points)
+        if not self._nearer(away[None])[0]:
+            return False
+        return bool(self._from_rest(self._polished(points[-1], 1)) < NEWTON_GAIN * away[-1])
+
+    def _nearer(self, away: np.ndarray) -> np.ndarray:
+        """Return which distances from the rest are small, and decrease."""
+        decrease = (np.diff(away, axis=1) <= 0).all(axis=1)
+        nearer: np.ndarray = decrease & (away[:, -1] < away[:, 0]) & (away[:, -1] < BESIDE_REST)
+        return nearer
+
+    def _from_rest(self, points: np.ndarray) -> np.ndarray:
+        """Return the distances of section points from the nearest rest."""
+        assert self.rest is not None
+        nearest = np.stack(
+            [np.clip(points[..., 0], self.rest.low, self.rest.high), 0 * points[..., 1]], axis=-1
+        )
+        return self.distances(points, nearest)
+
     def _polished(self, point: np.ndarray, q: int) -> np.ndarray:
         """Return the fixed point of the map over `q` periods near a section point, or the point."""
         best = point
@@ -262,6 +315,8 @@ class DrivenMotions:
             best, least = point, size
             (a, c) = ((by_x - here) / step[0]).tolist()
             (b, d) = ((by_v - here) / step[1]).tolist()
+            if self._sticks(point):
+                b = d = 0.0
             determinant = (1 - a) * (1 - d) - b * c
             if abs(determinant) < 1e-9:
                 break
@@ -272,13 +327,23 @@ class DrivenMotions:
                 break
         return best
 
+    def _sticks(self, point: np.ndarray) -> bool:
+        """Return whether a section point is on a belt."""
+        return any(point[1] == float(belt.v) for belt in self.model.belts)
+
     def _radius(self, orbit: np.ndarray) -> float | None:
         """Return the largest distance from which neighbours on all sides come nearer to an orbit;
         None if they do not.
         """
         q = len(orbit)
+        if self._sticks(orbit[0]):
+            # Neighbours of the motion stick too: what starts off the belt is none, since static
+            # friction may hold the mass where kinetic friction would let it go.
+            directions = DIRECTIONS[DIRECTIONS[:, 1] == 0]
+        else:
+            directions = DIRECTIONS
         for radius in RADII:
-            neighbours = orbit[0] + radius * DIRECTIONS * self.unit
+            neighbours = orbit[0] + radius * directions * self.unit
             for times in SHRINKING:
                 neighbours = self.onward(neighbours, q * times)[:, -1]
                 away = self.distances(neighbours, orbit[0])

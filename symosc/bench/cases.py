@@ -31,6 +31,7 @@ from symosc.bench.solvers import (
     in_parallel,
     processor_limit,
 )
+from symosc.model import Parameters
 from symosc.reference import score
 from symosc.reference.case import ReferenceCase, with_known
 from symosc.reference.cases import GROUPS, SET_VERSION, hard_cases, reference_cases
@@ -72,7 +73,7 @@ def run(
     if solvers is None:
         solvers = all_solvers()
     if cases is None:
-        cases = reference_cases()
+        cases = [case for case in reference_cases() if isinstance(case.parameters, Parameters)]
     chosen = list(cases)
     able = [solver for solver in solvers if not solver.missing]
     steps = iter(progress(range(len(chosen) * (1 + len(able)))))

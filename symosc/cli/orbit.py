@@ -89,7 +89,7 @@ def orbit(
             follow_options: Record = {"periods": exact["periods"], "progress": True}
             branch = symosc.continue_orbit(
                 closed_orbit.parameters,
-                closed_orbit.word,
+                closed_orbit.word or None,
                 name,
                 limits,
                 closed_orbit,
@@ -169,6 +169,8 @@ def _report_text(
         lines.append(_start_text(scene, orbit))
     if branch is not None:
         lines += ["", f"branch of {len(branch.values)} points over {branch.parameter}:"]
+        for place in branch.special:
+            lines.append(f"  {branch.parameter} = {place.value:.12g}: {place.kind}")
         for end in branch.ends:
             if end.beyond:
                 beyond = f"; beyond it {end.beyond}"

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any, NamedTuple
 
-from symosc.derive.chapters.static_friction import bisected
 from symosc.derive.steps import CONTEXT
+from symosc.derive.taylor import LinearEquation, TimedState, first_pass
 
 #: Dampings below and above the corner, with m = k = 1 and the corner at the velocity 1.
 FOCUS = (CONTEXT.mpf(1) / 10, -CONTEXT.mpf(3) / 10)
-#: Terms of a Taylor series, and its steps in time: 0.25^60 is below all digits.
-TERMS = 60
-STRIDE = CONTEXT.mpf("0.25")
 
 
 class FocusCycle(NamedTuple):
@@ -59,50 +55,13 @@ def focus_by_closed_forms() -> FocusCycle:
     return FocusCycle(start, (above, below), _closed(upper, start, highest)[0], factor)
 
 
-def _series(damping: Any, speed: Any, rate: Any) -> list[Any]:
-    """Return the Taylor coefficients of the velocity, from the differential equation."""
-    terms = [speed, rate]
-    for n in range(TERMS):
-        terms.append(-(damping * (n + 1) * terms[-1] + terms[-2]) / ((n + 1) * (n + 2)))
-    return terms
-
-
-def _summed(terms: list[Any], time: Any) -> tuple[Any, Any]:
-    """Return the value of a Taylor series and of its derivative."""
-    value = CONTEXT.mpf(0)
-    rate = CONTEXT.mpf(0)
-    for term in reversed(terms):
-        rate = rate * time + value
-        value = value * time + term
-    return value, rate
-
-
-def _first(damping: Any, rate: Any, has_passed: Callable[[Any, Any], bool]) -> tuple[Any, Any, Any]:
-    """Return time, velocity and rate when a condition on velocity and rate becomes true.
-
-    The motion begins with the velocity 1; it is followed by Taylor series.
-    """
-    begin = CONTEXT.mpf(0)
-    terms = _series(damping, CONTEXT.mpf(1), rate)
-    ahead = _summed(terms, STRIDE)
-    while not has_passed(*ahead):
-        begin += STRIDE
-        terms = _series(damping, *ahead)
-        ahead = _summed(terms, STRIDE)
-
-    def is_before(time: Any) -> bool:
-        return not has_passed(*_summed(terms, time))
-
-    inside = bisected(is_before, 0, STRIDE)
-    return (begin + inside, *_summed(terms, inside))
-
-
 def _turn(rate: Any) -> tuple[Any, Any, Any]:
-    """Return the times above and below the corner, and the rate after one turn."""
-    lower, upper = FOCUS
-    above, _, turned = _first(upper, rate, lambda speed, rate: speed < 1)
-    below, _, back = _first(lower, turned, lambda speed, rate: speed > 1)
-    return above, below, back
+    """Return the times above and below the corner, and the rate after one turn, by Taylor series."""
+    lower, upper = (LinearEquation(damping, 1) for damping in FOCUS)
+    above = first_pass(upper, TimedState(0, CONTEXT.mpf(1), rate), lambda speed, rate: speed < 1)
+    begin = TimedState(0, CONTEXT.mpf(1), above.rate)
+    below = first_pass(lower, begin, lambda speed, rate: speed > 1)
+    return above.time, below.time, below.rate
 
 
 @cache
@@ -116,7 +75,8 @@ def focus_by_series() -> FocusCycle:
         misses = [misses[1], _turn(rates[1])[2] - rates[1]]
     start = rates[1]
     above, below, _ = _turn(start)
-    _, top, _ = _first(FOCUS[1], start, lambda speed, rate: rate < 0)
+    begin = TimedState(0, CONTEXT.mpf(1), start)
+    top = first_pass(LinearEquation(FOCUS[1], 1), begin, lambda speed, rate: rate < 0).value
     small = CONTEXT.mpf(10) ** -15
     factor = (_turn(start + small)[2] - _turn(start - small)[2]) / (2 * small)
     return FocusCycle(start, (above, below), top, factor)

@@ -20,8 +20,9 @@ ABSTRACT = (
     r"their derivatives, grazing with all of its cases, an event search that misses nothing, the "
     r"one periodic motion that attracts, why there is no chaos, what motions do without a damper, "
     r"where the word of a motion changes: the maps, the multipliers and all points of "
-    r"codimension two, and what changes with static friction above kinetic friction and with "
-    r"friction that depends on speed. It restates, proves and where needed corrects what is in "
+    r"codimension two, what changes with static friction above kinetic friction and with "
+    r"friction that depends on speed, and what these open: onsets, stick-slip cycles, return "
+    r"maps, chaos. It restates, proves and where needed corrects what is in "
     r"the paper \cite{chen2016}: " + paper_reference(r"\emph{{{}}}", "~", "--") + "."
 )
 LEGEND = (
@@ -186,6 +187,16 @@ $f_\lambda$, $p_\lambda$, $q_\lambda$, $\sigma_\lambda$, $s_\lambda$, $u$ & curv
 $h_{-}$, $Q$, $S$, $\ell_1$, $\ell_2$, $\hat{T}$, $d$, $N$ & in bands: growth, a measure of
   transients, a time, roots, the bounded part of friction, the distance of a corner, a number of
   mappings & Chapter~\ref{sec:friction_curves} \\
+$v$, $c_V$, $V_H$, $V_1$, $f_\infty$, $f_1$, $w_0$, $q_1$, $q_3$, $\bar{P}$, $P$ & at an onset: a
+  velocity, the damping of a smooth law, speeds, numbers of curves, a power, the map from turn to turn &
+  Chapter~\ref{sec:equilibria} \\
+$V^{*}$, $x_s$, $x_p$, $x_r$, $\ddot{x}_f$, $\psi$, $X$ & on stick-slip cycles: the speed at which they
+  end, places on the belt, acceleration on arrival, a ratio, the place of a pulled block &
+  Chapter~\ref{sec:stick_slip} \\
+$\xi$, $\theta'$, $b$, $t_e$, $P$, $a$, $a_0$ & the line of a stick, the phase of the next slip, a rate, the
+  time of a slip; turns and their map & Chapter~\ref{sec:return_maps} \\
+$\Lambda$, $\theta^{*}$, $N_n$, $\lambda$, $Q$, $I$, $J$, $K$, $L$, $A$ & exponent per slip, a repeated phase,
+  a number of words and its growth, intervals of phases & Chapter~\ref{sec:chaos} \\
 """
 NOTATION = [
     tuple(part.strip() for part in row.split("&"))

@@ -508,6 +508,7 @@ def continue_border(
     require(NUMBER, step=step)
     require(WHOLE, max_points=max_points)
     number = whole_number("end", end, 0, 1)
+    branch._orbit.equations()  # which refuses other laws than the paper's
     at_end = -number  # the index of the branch's point at this end: 0 or -1
     reason = branch.ends[number]
     if reason.kind in (RANGE, NO_CONVERGENCE, MOST):

@@ -41,7 +41,7 @@ suffice the piece is halved. It is a bound in this sense, not in the sense of in
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Any, NamedTuple
@@ -62,7 +62,7 @@ from symosc.base.arguments import (
     require_or_none,
     row_of,
 )
-from symosc.base.display.drawable import Drawable
+from symosc.base.display.drawable import Drawable, Listing
 from symosc.base.display.frames import imported
 from symosc.base.display.progress import Advance, late_bar
 from symosc.base.errors import ParameterError, SymoscError, meant
@@ -72,7 +72,7 @@ from symosc.engine.flow import derivatives
 from symosc.kernels import linear
 from symosc.kernels._generated import motion
 from symosc.kernels.entire import EPS
-from symosc.model import PARAMETER_NAMES, Model, Parameters
+from symosc.model import PARAMETER_NAMES, Model, Parameters, some
 from symosc.orbits import admissibility
 from symosc.orbits.admissibility import (
     MARGINAL,
@@ -84,10 +84,20 @@ from symosc.orbits.admissibility import (
     failures,
 )
 from symosc.orbits.closing_equations import CONVERGING, ClosingEquations, solve
-from symosc.orbits.find import find_orbit, largest_displacement, settling, switching_points
+from symosc.orbits.find import (
+    find_orbit,
+    is_of_paper,
+    largest_displacement,
+    settling,
+    switching_points,
+)
 from symosc.orbits.floquet import NEAR_ONE, multipliers_of
+from symosc.orbits.followed_orbit import FollowedOrbit
+from symosc.orbits.law_branch import end_of
+from symosc.orbits.law_curve import CurvePoint, LawCurve
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
-from symosc.scenes import ParametersLike, belts_of
+from symosc.orbits.shooting import orbit_near
+from symosc.scenes import ParametersLike, belts_of, model_of
 from symosc.words import WordLike, read_word
 
 RANGE = "end of the range"
@@ -140,6 +150,8 @@ MOST_BACK = 12
 # Into how many each part of a piece is refined, and how often at most.
 FINER = 8
 DEEPEST = 30
+# Samples of an orbit for the extent of its positions.
+EXTENT_SAMPLES = 513
 # Where mu FN differs from |B0| by less than this part flights are too short for steps.
 BEGINS_TO_REST = 1e-6
 
@@ -173,7 +185,8 @@ class BranchEnd(NamedTuple):
     ----------
     kind : str
         "grazing", "birth of a stick", "vanishing of a stick", "birth of a slip", "vanishing of a
-        slip", "vanishing of a flight", "end of the range", "no convergence" or "max_points".
+        slip", "vanishing of a flight", "end of the range", "no convergence" or "max_points". Under
+        other laws than the paper's also "onset at a corner" and "closed curve".
     value : float
         The last value of the parameter with an orbit, as far as doubles resolve it.
     message : str
@@ -204,6 +217,73 @@ class BranchEnd(NamedTuple):
     beyond: str | None = None
 
 
+class BranchSpecial(NamedTuple):
+    """A place on a branch where a multiplier passes the unit circle.
+
+    Attributes
+    ----------
+    kind : str
+        "fold" (multiplier 1; the parameter turns back), "period doubling" (-1) or "Neimark-Sacker"
+        (a complex pair).
+    value : float
+        The parameter there.
+    start : tuple of t, x, v
+        A state on the orbit there, in a flight.
+    span : float
+        Its period.
+
+    Examples
+    --------
+    >>> from symosc import Belt, Oscillator, continue_orbit
+    >>> p = Oscillator(
+    ...     m=1, c="0.05", k=1, B0="0.6", Omega="1.4", belts=[Belt("0.1", mu="0.7", mu_s=1)]
+    ... )
+    >>> branch = continue_orbit(p, "S1 B1", "mu_s1", (1, "1.1"))
+    >>> [(place.kind, f"{place.value:.9f}") for place in branch.special]
+    [('period doubling', '1.075688088')]
+    """
+
+    kind: str
+    value: float
+    start: tuple[float, float, float]
+    span: float
+
+
+class BranchColumns(NamedTuple):
+    """The orbits of a branch as columns, as `Branch` has them.
+
+    `extents` are the least and largest positions (under the law of the paper, of the switchings), and
+    `starts` states (t, x, v) on the orbits, None under the law of the paper.
+    """
+
+    values: np.ndarray
+    points: np.ndarray
+    spans: np.ndarray
+    multipliers: np.ndarray
+    stable: np.ndarray
+    extents: np.ndarray
+    starts: np.ndarray | None = None
+
+
+def columns_of_paper(
+    orbit: PeriodicOrbit, parameter: str, path: list[BranchPoint]
+) -> BranchColumns:
+    """Return the columns of a branch under the law of the paper."""
+    values = np.array([point.value for point in path])
+    if parameter == "Omega":
+        Omega = values
+    else:
+        Omega = np.full(len(path), float(orbit.parameters.Omega))
+    x, theta = np.moveaxis(np.array([point.points for point in path]), -1, 0)
+    points = np.stack([theta / Omega[:, None], x], axis=-1)
+    multipliers = np.array([point.multipliers for point in path])
+    damping = [orbit.parameters.replace(**{parameter: float(value)}).c > 0 for value in values]
+    stable = np.array(damping) | (np.abs(multipliers).max(axis=1) < 1 - NEAR_ONE)
+    spans = 2 * pi * orbit.periods / Omega
+    extents = np.stack([x.min(axis=1), x.max(axis=1)], axis=1)
+    return BranchColumns(values, points, spans, multipliers, stable, extents)
+
+
 class Branch(Drawable):
     """A branch of periodic orbits over one parameter.
 
@@ -219,10 +299,17 @@ class Branch(Drawable):
         (t, x) of the n switching points.
     multipliers : (m, 2) complex array
     stable : (m,) bool array
-        True where damping proves it, or both multipliers are clearly inside the unit circle
-        (`symosc.orbits.floquet`).
+        True where damping proves it, or the multipliers that decide are clearly inside the unit
+        circle (`symosc.orbits.floquet`).
+    spans : (m,) array
+        The period of each orbit.
+    extents : (m, 2) array
+        The least and the largest position; under the law of the paper, of the switching points.
     periods : int
-        Number of forcing periods.
+        Number of forcing periods; 0 without a drive.
+    special : sequence of BranchSpecial
+        Folds, period doublings and Neimark-Sacker points, along the branch. Under the law of the
+        paper there are none.
     ends : tuple of two BranchEnd
         Why the branch ends at its first and its last point.
 
@@ -241,25 +328,24 @@ class Branch(Drawable):
         self,
         orbit: PeriodicOrbit,
         parameter: str,
-        path: list[BranchPoint],
+        columns: BranchColumns,
         ends: tuple[BranchEnd, BranchEnd],
+        special: Sequence[BranchSpecial] = (),
     ) -> None:
         self._orbit = orbit
+        self._starts = columns.starts
+        self.extents = columns.extents
         self.word = orbit.word
         self.labels = orbit.labels
         self.periods = orbit.periods
         self.parameter = parameter
         self.ends = ends
-        self.values = np.array([point.value for point in path])
-        if parameter == "Omega":
-            Omega = self.values
-        else:
-            Omega = np.full(len(path), float(orbit.parameters.Omega))
-        x, theta = np.moveaxis(np.array([point.points for point in path]), -1, 0)
-        self.points = np.stack([theta / Omega[:, None], x], axis=-1)
-        self.multipliers = np.array([point.multipliers for point in path])
-        damped = np.array([self.parameters(i).c > 0 for i in range(len(path))])
-        self.stable = damped | (np.abs(self.multipliers).max(axis=1) < 1 - NEAR_ONE)
+        self.special = Listing(special)
+        self.values = columns.values
+        self.points = columns.points
+        self.spans = columns.spans
+        self.multipliers = columns.multipliers
+        self.stable = columns.stable
 
     @public
     def parameters(self, i: int) -> Model:
@@ -272,6 +358,9 @@ class Branch(Drawable):
         """Return the orbit at the branch's i-th point; `digits` as for `symosc.find_orbit`."""
         require(WHOLE, i=i)
         require_or_none(WHOLE, digits=digits)
+        if self._starts is not None:
+            t, x, v = self._starts[int(i)].tolist()
+            return orbit_near(self.parameters(i), t, x, v, self.periods or None, digits)
         return find_orbit(
             self.parameters(i), self.word, self.points[int(i)], digits, periods=self.periods
         )
@@ -294,6 +383,17 @@ class Branch(Drawable):
             ],
             "stable": self.stable.tolist(),
             "ends": ends,
+        } | self._of_any_law()
+
+    def _of_any_law(self) -> Record:
+        """Return as plain values what only branches of other laws than the paper's have."""
+        if self._starts is None:
+            return {}
+        return {
+            "spans": self.spans.tolist(),
+            "extents": self.extents.tolist(),
+            "starts": self._starts.tolist(),
+            "special": [place._asdict() for place in self.special],
         }
 
     def to_pandas(self) -> Any:
@@ -341,13 +441,13 @@ class Branch(Drawable):
 
     def __repr__(self) -> str:
         ends = ", ".join(f"{end.kind} at {end.value:.8g}" for end in self.ends)
-        return f"<Branch of {self.word} in {self.parameter}, {len(self.values)} points: {ends}>"
+        return f"<Branch of {self.word or 'no belt'} in {self.parameter}, {len(self.values)} points: {ends}>"
 
 
 @public
 def continue_orbit(
     parameters: ParametersLike,
-    word: WordLike,
+    word: WordLike | None,
     parameter: str,
     range: tuple[NumberLike, NumberLike],
     guess: PeriodicOrbit | ArrayLike | Mapping[str, ArrayLike] | DataFrame | None = None,
@@ -361,12 +461,16 @@ def continue_orbit(
 
     Parameters
     ----------
-    parameters : Parameters, or a Scene, its name or its file
-        The point at which the branch is begun; its value of the parameter must lie in the range.
-    word : str or sequence of str
-        The mapping structure, read right to left.
+    parameters : Parameters or Oscillator, or a Scene, its name or its file
+        The point at which the branch is begun, with any friction law; its value of the parameter
+        must lie in the range.
+    word : str or sequence of str, or None
+        The mapping structure, read right to left. None under another law than the paper's: that of
+        the `guess`, or of the orbit that the motion from rest settles to; so are cycles followed
+        that meet no belt.
     parameter : str
-        "Omega", "A0", "FN", ...: any name of Parameters.
+        "Omega", "A0", "FN", ...: any name of Parameters; under another law any name of its numbers,
+        such as mu_s1, w1_1, slope1.
     range : (low, high)
     guess, periods : optional
         As for `find_orbit`.
@@ -375,6 +479,14 @@ def continue_orbit(
     progress : bool or callable, optional
         True: if it takes more than two seconds, a bar with rate and time left on a terminal. Or a
         function of two numbers: the part of the range that is done, and 1.
+
+    Returns
+    -------
+    Branch
+        Under another law than the paper's it goes through folds, and has stable and unstable parts.
+        It ends where the word changes, where the orbit is lost (with static friction at a graze),
+        or where a cycle shrinks to a rest ("onset at a corner"). Ends are located to 1e-12 of the
+        range.
 
     Raises
     ------
@@ -393,13 +505,19 @@ def continue_orbit(
     >>> [end.kind for end in branch.ends]
     ['birth of a stick', 'end of the range']
     """
-    model = belts_of(parameters, "parameters")
-    require(WORD, word=word)
+    model = model_of(parameters, "parameters")
+    require_or_none(WORD, word=word)
     require(TEXT, parameter=parameter)
     require(row_of(2, NUMBER), range=range)
     require_or_none(PeriodicOrbit, *TABLE_LIKE, guess=guess)
     require_or_none(WHOLE, periods=periods)
     require(*PROGRESS, progress=progress)
+    if not is_of_paper(model) or isinstance(guess, FollowedOrbit):
+        most = whole_number("max_points", max_points, 2)
+        return _branch_of_law(model, word, parameter, range, guess, periods, most, progress)
+    if word is None:
+        raise ParameterError("word", None, "a word is required under the law of two Coulomb belts")
+    model = belts_of(parameters, "parameters")
     read_word(word)
     low, high = read_range(model, parameter, range)
     orbit = find_orbit(model, word, guess, periods=periods)
@@ -410,17 +528,97 @@ def continue_orbit(
     with late_bar(progress, f"{orbit.word} over {parameter}", "orbits") as advance:
         down, first = curve.follow(-1.0, most, advance)
         up, last = curve.follow(1.0, most, advance, len(down))
-    return Branch(orbit, parameter, [*reversed(down[1:]), *up], (first, last))
+    path = [*reversed(down[1:]), *up]
+    return Branch(orbit, parameter, columns_of_paper(orbit, parameter, path), (first, last))
+
+
+def _branch_of_law(
+    model: Model,
+    word: WordLike | None,
+    parameter: str,
+    limits: tuple[NumberLike, NumberLike],
+    guess: Any,
+    periods: int | None,
+    most: int,
+    progress: Progress,
+) -> Branch:
+    """Return the branch of an orbit under any law, with both its ends."""
+    low, high = read_range(model, parameter, limits, tuple(model.numbers()))
+    if guess is None and word is None:
+        orbit = find_orbit(model)
+    elif isinstance(guess, FollowedOrbit) and guess.parameters == model:
+        orbit = guess
+    else:
+        orbit = find_orbit(model, word, guess, periods=periods)
+    if not isinstance(orbit, FollowedOrbit) or orbit.is_rest:
+        raise BranchError(orbit)
+    name = orbit.word or "an orbit without a belt"
+    with late_bar(progress, f"{name} over {parameter}", "orbits") as advance:
+        ways = []
+        for direction in (-1.0, 1.0):
+            curve = LawCurve(orbit, parameter, low, high)
+            path, events, end = curve.follow(direction, most, advance)
+            ways.append((path, events, end_of(curve, path, end)))
+            if end.why == "closed":
+                break
+    if len(ways) == 1:
+        ways.append((ways[0][0][:1], [], ways[0][2]))
+    (down, before, first), (up, after, last) = ways
+    path = [*reversed(down[1:]), *up]
+    ends = tuple(
+        BranchEnd(
+            end.kind, end.value, end.message, way[-1].orbit.points, end.conditions, end.beyond
+        )
+        for way, end in ((down, first), (up, last))
+    )
+    special = [
+        BranchSpecial(
+            event.kind,
+            event.value,
+            (event.point.t, event.point.x, float(event.point.section.speed)),
+            event.point.span,
+        )
+        for event in [*reversed(before), *after]
+    ]
+    return Branch(orbit, parameter, _columns_of_law(path), (ends[0], ends[1]), special)
+
+
+def _columns_of_law(path: list[CurvePoint]) -> BranchColumns:
+    """Return the columns of a branch under any law."""
+    orbits = [point.orbit for point in path]
+    points = np.array([orbit.points for orbit in orbits], dtype=float)
+    starts = [(point.t, point.x, float(point.section.speed)) for point in path]
+    return BranchColumns(
+        np.array([point.value for point in path]),
+        points.reshape(len(path), -1, 2),
+        np.array([point.span for point in path]),
+        np.array([orbit.multipliers for orbit in orbits], dtype=complex),
+        np.array([orbit.stable is True for orbit in orbits]),
+        np.array([_extent(orbit) for orbit in orbits]),
+        np.array(starts),
+    )
+
+
+def _extent(orbit: FollowedOrbit) -> tuple[float, float]:
+    """Return the least and the largest position of an orbit, from samples."""
+    begin = float(orbit.start[0])
+    x, _ = orbit(np.linspace(begin, begin + float(orbit.period), EXTENT_SAMPLES))
+    return float(x.min()), float(x.max())
 
 
 def read_range(
-    parameters: Model, parameter: str, limits: tuple[NumberLike, NumberLike] | None
+    parameters: Model,
+    parameter: str,
+    limits: tuple[NumberLike, NumberLike] | None,
+    known: Sequence[str] = PARAMETER_NAMES,
 ) -> tuple[float, float]:
-    """Check the name `parameter` and the range `limits`; return the limits as floats."""
-    names = [name for name in PARAMETER_NAMES if name in parameters.numbers()]
+    """Check the name `parameter`, one of those `known`, and the range `limits`; return the limits as
+    floats.
+    """
+    names = [name for name in known if name in parameters.numbers()]
     if parameter not in names:
-        known = f"must be one of {', '.join(names)}"
-        raise ParameterError("parameter", parameter, known + meant(parameter, names))
+        allowed = f"must be one of {some(names)}"
+        raise ParameterError("parameter", parameter, allowed + meant(parameter, names))
     if limits is None:
         raise ParameterError("range", limits, "must be a pair (low, high)")
     low, high = (read_exact("range", limit) for limit in limits)

@@ -449,6 +449,15 @@ def _cycle(motion: Trajectory) -> tuple[tuple[str, ...], list[tuple[int, int]]]:
     return tuple(labels[first:] + labels[:first]), turned
 
 
+def points_of(motion: Trajectory) -> list[tuple[Event, Event]]:
+    """Return the events of the motion over one period in the order of the orbit's word, each with
+    the one after it.
+    """
+    events = motion.events
+    _, order = _cycle(motion)
+    return [(events[n], events[(n + 1) % len(events)]) for _, n in order]
+
+
 def _lag(
     events: list[tuple[int, Event]], law: Model, t: Number, periods: int, digits: int | None
 ) -> Number:

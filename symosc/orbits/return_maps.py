@@ -42,11 +42,13 @@ SPEED_DIGITS = 5
 #: A section is at least this far from every edge of the law, as a part of the speeds there are.
 CLEAR = 1e-7
 #: After the time at which a passage is expected the motion is followed on, in parts of that time.
-LATE = (0.03, 0.3, 1.0)
+LATE = (0.03, 1.0)
 
 #: Newton's steps at most, and how often one is halved.
-MOST_STEPS = 40
-MOST_HALVINGS = 12
+MOST_STEPS = 30
+MOST_HALVINGS = 6
+#: In so many steps the residual has to halve.
+SLOW_STEPS = 5
 #: The longest step, in parts of the size of the motion and of its period.
 LONGEST_STEP = 0.3
 #: A step must shrink the residual by this part of what it would do if the map were linear.
@@ -167,33 +169,66 @@ def belts_as_given(model: Model) -> list[Belt]:
     return [Belt(belt.v, belt.mu) for belt in model.law.belts]
 
 
+class Slopes(NamedTuple):
+    """Samples of a motion: velocities, their slopes where it flies (else 0), and their distances from
+    the speeds of the belts.
+    """
+
+    v: np.ndarray
+    slopes: np.ndarray
+    away: np.ndarray
+
+
+def slopes_of(motion: Trajectory, span: float = inf) -> Slopes:
+    """Return samples of a motion within a time from its start."""
+    begin = float(motion.t_start)
+    end = min(float(motion.t_end), begin + span)
+    times = np.linspace(begin, end, SAMPLES)
+    modes = np.asarray(motion.mode(times)).astype(str)
+    _, v = motion(times)
+    slopes = (v[2:] - v[:-2]) / (times[2] - times[0])
+    flies = (modes[2:] == modes[:-2]) & (np.char.find(modes[1:-1], "belt") < 0)
+    speeds = np.array([float(belt.v) for belt in motion.parameters.law.belts])
+    away = np.abs(v[1:-1, None] - speeds).min(axis=1)
+    return Slopes(v[1:-1], np.where(flies, slopes, 0.0), np.where(flies, away, 0.0))
+
+
+def qualities(samples: Slopes) -> np.ndarray:
+    """Return how well the velocity of each sample would do for a section, from 0 to 1."""
+    _, slopes, away = samples
+    steepness = np.abs(slopes) / max(np.abs(slopes).max(initial=0.0), 1e-300)
+    distance = away / max(away.max(initial=0.0), 1e-300)
+    return np.minimum(steepness, distance)
+
+
+def quality_of(motion: Trajectory, section: SpeedSection) -> float:
+    """Return how good a section of an orbit is, from 0 to 1, where its motion begins."""
+    samples = slopes_of(motion)
+    upwards = (samples.slopes > 0) == section.upwards
+    near = np.abs(samples.v[upwards] - float(section.speed))
+    if not len(near):
+        return 0.0
+    return float(qualities(samples)[upwards][int(near.argmin())])
+
+
 def section_through(motion: Trajectory, span: float = inf) -> SpeedSection | None:
     """Return a section that a motion passes through steeply in a flight, away from the belts, within
     a time from its start; None if it never flies.
     """
     model = motion.parameters
-    begin = float(motion.t_start)
-    end = min(float(motion.t_end), begin + span)
-    times = np.linspace(begin, end, SAMPLES)
-    modes = np.asarray(motion.mode(times))
-    _, v = motion(times)
-    slopes = (v[2:] - v[:-2]) / (times[2] - times[0])
-    flies = (modes[2:] == modes[:-2]) & (np.char.find(modes.astype(str)[1:-1], "belt") < 0)
-    speeds = np.array([float(belt.v) for belt in model.law.belts])
-    away = np.abs(v[1:-1, None] - speeds).min(axis=1)
+    samples = slopes_of(motion, span)
+    v = samples.v
     # An early passage costs less than a later one that is hardly better.
-    early = np.linspace(1.0, 0.5, len(slopes))
-    steepness = np.abs(slopes) / max(np.abs(slopes[flies]).max(initial=0.0), 1e-300)
-    distance = away / max(away[flies].max(initial=0.0), 1e-300)
-    quality = np.where(flies, np.minimum(steepness, distance) * early, 0.0)
+    quality = qualities(samples) * np.linspace(1.0, 0.5, len(v))
     edges = np.array([float(edge.v) for edge in model.law.edges])
-    least = CLEAR * max(float(np.abs(v).max()), float(np.abs(edges).max()))
+    fastest = float(np.abs(v).max())
+    least = CLEAR * max(fastest, float(np.abs(edges).max()))
     for n in np.argsort(-quality, kind="stable").tolist():
         if quality[n] <= 0.0:
             return None
-        speed = _rounded_speed(float(v[n + 1]), float(np.abs(v).max()))
+        speed = _rounded_speed(float(v[n]), float(np.ptp(v)))
         if np.abs(edges - float(speed)).min() > least:
-            return SpeedSection(model, speed, bool(slopes[n] > 0))
+            return SpeedSection(model, speed, bool(samples.slopes[n] > 0))
     return None
 
 
@@ -271,6 +306,7 @@ class Shooting:
         it leads to none.
         """
         end = self.section.passage(t, x, span)
+        misses = list[float]()
         for _ in range(MOST_STEPS):
             if end is None:
                 return None
@@ -280,7 +316,9 @@ class Shooting:
             residual = self.residual(t, x, span, end)
             miss = self.measured(residual)
             step = self.step(end, residual)
-            if miss <= FOUND or step is None:
+            misses.append(miss)
+            is_slow = len(misses) > SLOW_STEPS and miss > misses[-1 - SLOW_STEPS] / 2
+            if miss <= FOUND or step is None or is_slow:
                 break
             longest = max(abs(step[0]) / self.pace, abs(step[1]) / self.size)
             part = min(1.0, LONGEST_STEP / longest)

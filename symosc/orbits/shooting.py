@@ -29,6 +29,8 @@ MOST_TRIED = 8
 #: Motions that return nearer than this part of their size and period are tried first, the shortest
 #: ones before others.
 NEARLY_CLOSED = 0.1
+#: So many of the others are tried, the nearest first.
+MOST_FAR = 2
 #: Two passages of one orbit differ by more than this part of its size, unless it is a shorter orbit
 #: that is run through several times.
 SAME_ORBIT = 1e-8
@@ -171,7 +173,7 @@ def _returns(
                 found.append((miss > NEARLY_CLOSED, miss, count, t - first[0]))
     nearly = sorted((item for item in found if not item[0]), key=lambda item: item[2])
     others = sorted(item for item in found if item[0])
-    for _, _, count, span in [*nearly, *others]:
+    for _, _, count, span in [*nearly, *others[:MOST_FAR]]:
         pace = (turn or span) / (2 * pi)
         yield Shooting(section, count if turn else 0, size, pace), first, span
 

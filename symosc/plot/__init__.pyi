@@ -1,5 +1,6 @@
 # The public names of symosc.plot and where each is written. Loaded on first use: a figure loads what it needs alone.
 from .basins import attractors_figure as attractors_figure
+from .basins import return_map_figure as return_map_figure
 from .drawing import save as save
 from .figures import border_figure as border_figure
 from .figures import branch_figure as branch_figure

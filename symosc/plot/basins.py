@@ -5,6 +5,7 @@ Classes differ in lightness, attractors in their marks, so that all can be read 
 
 from __future__ import annotations
 
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -15,13 +16,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from symosc.base.aliases import Record
-from symosc.base.arguments import public, require
+from symosc.base.aliases import NumberLike, Record
+from symosc.base.arguments import NUMBER, public, require, require_or_none
+from symosc.base.exact import read_exact
 from symosc.basins.attractors import Attractors
 from symosc.basins.kinds import Chaotic, ObservedCycle, Rest
+from symosc.basins.return_map import ReturnMap
 from symosc.model import Model
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.plot.drawing import FigureSize, axes_for, draw_belts
+from symosc.plot.drawing import FigureSize, add_legend, axes_for, draw_belts
 from symosc.plot.sweeps import (
     MOST_CLASSES,
     UNDECIDED_COLOR,
@@ -213,3 +216,88 @@ def _whole_cycle(
         ((x0, v0),) = orbit.points.tolist()
         x, v = simulate(parameters, x0=x0, v0=v0, t_end=times[-1])(times)
     return x, v
+
+
+# -- section maps ----------------------------------------------------------------------------------
+
+#: Images of a start that a cobweb leaves out, and those that it shows.
+COBWEB_SKIP = 60
+COBWEB_STEPS = 60
+PHASE_TICKS = (
+    [0, pi / 2, pi, 3 * pi / 2, 2 * pi],
+    ["0", r"$\pi/2$", r"$\pi$", r"$3\pi/2$", r"$2\pi$"],
+)
+
+
+@public
+def return_map_figure(
+    found: ReturnMap,
+    start: NumberLike | None = None,
+    *,
+    ax: Axes | None = None,
+    figsize: FigureSize = None,
+) -> Figure:
+    """Draw a section map with the diagonal, its fixed points, and a cobweb.
+
+    Parameters
+    ----------
+    found : ReturnMap
+    start : number, optional
+        Where the cobweb begins, of 60 steps; with a drive 60 more are left out before. Default: the
+        middle of the range.
+    ax, figsize : optional
+        As for `symosc.plot.figure`.
+
+    Examples
+    --------
+    >>> from symosc import Belt, Oscillator, plot, return_map
+    >>> law = Oscillator(m=1, c="0.1", k=1, belts=[Belt("1/2", mu="1/2", mu_s=1)])
+    >>> [axes.get_xlabel() for axes in plot.return_map_figure(return_map(law, points=33)).axes]
+    ['$x$ where $\\\\dot{x}$ falls through 0']
+    """
+    require(ReturnMap, found=found)
+    require_or_none(NUMBER, start=start)
+    low, high = float(found.at.min()), float(found.at.max())
+    if found.belt and high - low > 0.95 * 2 * pi:
+        high = low + 2 * pi
+    if start is None:
+        begin = float(found.at[len(found.at) // 2])
+    else:
+        begin = float(read_exact("start", start))
+    with axes_for(ax, (4.2, 3.9), figsize=figsize) as (drawing, (axes,)):
+        axes.plot([low, high], [low, high], color="0.55", lw=0.8, ls=(0, (4, 2)), label="diagonal")
+        skip = COBWEB_SKIP if found.belt else 0
+        web = found.orbit(begin, skip + COBWEB_STEPS)[skip:]
+        if len(web) > 1:
+            across = np.repeat(web, 2)[:-1]
+            up = np.repeat(web, 2)[1:]
+            axes.plot(across, up, color="#1776b4", lw=0.6, label="cobweb", zorder=1.5)
+        x, y = _broken(found)
+        axes.plot(x, y, color="black", lw=1.3, label="map", zorder=2.5)
+        for stable, face, name in ((True, "black", "stable"), (False, "white", "unstable")):
+            places = [point.at for point in found.fixed_points() if point.stable == stable]
+            if places:
+                style: Record = {"linestyle": "none", "marker": "o", "ms": 5, "zorder": 3}
+                style |= {"markeredgecolor": "black", "markerfacecolor": face}
+                axes.plot(places, places, label=f"{name} fixed point", **style)
+        if found.belt:
+            axes.set(xlabel=r"phase $\theta$ of a slip", ylabel="phase of the next slip")
+            if high - low > pi:
+                for axis in (axes.xaxis, axes.yaxis):
+                    axis.set_ticks(*PHASE_TICKS)
+            axes.set(xlim=(low, high), ylim=(low, high) if high - low > pi else None)
+        else:
+            text = r"$x$ where $\dot{x}$ falls through 0"
+            axes.set(xlabel=text, ylabel="the next one", xlim=(low, high))
+        add_legend(drawing, ax, [axes], 2)
+    return drawing
+
+
+def _broken(found: ReturnMap) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points of a map, with gaps where it jumps or passes the end of the phases."""
+    x, y = found.at, found.after
+    gaps = np.searchsorted(x, [jump.at for jump in found.jumps])
+    if found.belt:
+        wraps = np.flatnonzero(np.abs(np.diff(y)) > pi) + 1
+        gaps = np.union1d(gaps, wraps)
+    return np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan)

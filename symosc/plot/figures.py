@@ -356,7 +356,9 @@ END_MARKERS = {
     "birth of a slip": ">",
     "vanishing of a slip": "<",
     "vanishing of a flight": "P",
+    "onset at a corner": "*",
 }
+SPECIAL_MARKERS = {"fold": "D", "period doubling": "s", "Neimark-Sacker": "h"}
 ORDINALS = ("", "2nd ", "3rd ")
 #: The least distance of labels at the right end of the curves, as a part of their whole range.
 LABEL_GAP = 0.05
@@ -412,6 +414,10 @@ def branch_figure(
             entries[kind] = Line2D(
                 [], [], linestyle="none", marker=END_MARKERS[kind], ms=5.0, color="black"
             )
+        for kind in dict.fromkeys(place.kind for place in branch.special):
+            entries[kind] = Line2D(
+                [], [], linestyle="none", marker=SPECIAL_MARKERS[kind], ms=5.0, color="black"
+            )
         for name in [name for name in STABILITY_STYLES if name in stability(branch)]:
             entries[name] = Line2D([], [], color="black", ls=STABILITY_STYLES[name], lw=1.2)
         common.add_legend(drawing, ax, entries | unit_circle, 3 * len(row))
@@ -419,7 +425,17 @@ def branch_figure(
 
 
 def _positions(ax: Axes, branch: Branch) -> None:
-    """Draw the positions of the switching points over the parameter."""
+    """Draw the positions of the switching points over the parameter, or of a cycle without them its
+    least and its largest position.
+    """
+    if not branch.labels:
+        for rows, look in _stretches(branch):
+            for x in branch.extents.T:
+                ax.plot(branch.values[rows], x[rows], color=CURVE_COLORS[0], ls=look, lw=1.2)
+        _mark_ends(ax, branch, [branch.extents[0], branch.extents[-1]], CURVE_COLORS[0])
+        ax.margins(x=0.09)
+        ax.set_ylabel("least and largest position $x$")
+        return
     # Rows: the orbits of the branch; columns: their switching points.
     _, x = np.moveaxis(branch.points, -1, 0)
     for i, label in enumerate(branch.labels):
@@ -466,6 +482,9 @@ def _multipliers(ax: Axes, branch: Branch) -> None:
             ax.plot(values, curve, color="black", ls=look, lw=1.2)
     sizes = np.abs(branch.multipliers)
     _mark_ends(ax, branch, [sizes[0], sizes[-1]], "black")
+    for place in branch.special:
+        marker = SPECIAL_MARKERS[place.kind]
+        ax.plot(place.value, 1.0, linestyle="none", marker=marker, ms=5.0, color="black")
     ax.axhline(1, color="0.4", lw=0.8, ls=(0, (1, 2)), zorder=0, label="unit circle")
     top = max(float(sizes.max()), 1.0)
     ax.set_ylim(-0.04 * top, 1.12 * top)

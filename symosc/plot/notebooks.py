@@ -354,12 +354,17 @@ def branch_page(branch: Branch) -> str:
     switching.
     """
     sizes = np.abs(branch.multipliers).max(axis=1)
-    first_points = branch.points[:, 0]  # of each orbit, t and x of its first switching
+    if branch.labels:
+        first_points = branch.points[:, 0]  # of each orbit, t and x of its first switching
+        about = "x of the first switching"
+    else:
+        first_points = np.column_stack([0 * branch.values, branch.extents[:, 1]])
+        about = "the largest x"
     _, x = first_points.T
     name = branch.parameter
     stable = np.where(branch.stable, "yes", "no")
     marks = [(float(branch.values[i]), float(x[i])) for i in (0, -1)]
-    drawn = curve(f"x of the first switching against {name}", branch.values, x, marks)
+    drawn = curve(f"{about} against {name}", branch.values, x, marks)
     ends = [f"{end.kind} at {name} = {end.value:.10g}: {end.message}" for end in branch.ends]
     heads = (name, "t", "x", "largest |multiplier|", "stable")
     rows = table(
@@ -367,7 +372,7 @@ def branch_page(branch: Branch) -> str:
         len(x),
         lambda i: [branch.values[i], *first_points[i], f"{sizes[i]:.6g}", stable[i]],
     )
-    line = f"{branch.word} in {name}, {len(branch.values)} points"
+    line = f"{branch.word or 'no belt'} in {name}, {len(branch.values)} points"
     return page("Branch", line, rows, drawn, facts(dict(zip(END_NAMES, ends, strict=True))))
 
 

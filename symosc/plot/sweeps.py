@@ -26,6 +26,7 @@ from matplotlib.ticker import MaxNLocator
 from symosc.base.aliases import Record
 from symosc.base.arguments import DATASET, TEXT, one_of, public, require, require_or_none
 from symosc.base.errors import ParameterError
+from symosc.base.quantities import quantity_of
 from symosc.engine.events import KIND_NAMES
 from symosc.plot.drawing import (
     PARAMETER_LABELS,
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     import xarray
 
     from symosc.analysis.response import FrequencyResponse
+    from symosc.basins.bifurcation import Bifurcation
     from symosc.certificates.atlas import Atlas, Rectangle
     from symosc.sweeps.output import SweptDataset
 
@@ -185,18 +187,18 @@ def swept_figure(
 
 @public
 def bifurcation_figure(
-    dataset: xarray.Dataset,
+    dataset: xarray.Dataset | Bifurcation,
     component: Literal["x", "v"] = "x",
     *,
     ax: Axes | None = None,
     figsize: FigureSize = None,
 ) -> Figure:
-    """Draw the section of a sweep over one axis: a point for each recorded period.
+    """Draw the section over one parameter: a point for each recorded period.
 
-    Several starts lie over each other.
-
-    If the sweep recorded words too, dashed lines mark where the word changes; the words stand
-    above.
+    Of what `symosc.bifurcation` returns coexisting attractors are told apart: those that motions
+    reach upward, and others, each with a colour and a mark of its own. Several starts of a sweep lie
+    over each other. If a sweep recorded words too, dashed lines mark where the word changes; the
+    words stand above.
 
     Examples
     --------
@@ -205,8 +207,12 @@ def bifurcation_figure(
     >>> [axes.get_ylabel() for axes in plot.bifurcation_figure(found).axes]
     ['displacement $x$ at whole periods']
     """
-    require(DATASET, dataset=dataset)
+    from symosc.basins.bifurcation import Bifurcation
+
+    require(DATASET, Bifurcation, dataset=dataset)
     require(one_of("x", "v"), component=component)
+    if isinstance(dataset, Bifurcation):
+        return _branches(dataset, component, ax, figsize)
     section = read_column(dataset, "section").sel(component=component)
     if "start" in section.dims:
         one_start = section.isel(start=0)
@@ -226,6 +232,53 @@ def bifurcation_figure(
             words = read_column(dataset, "word")
             words = (words.isel(start=0) if "start" in words.dims else words).sortby(name)
             _mark_changes(axes, words[name].values, words.values.astype(str))
+    return drawing
+
+
+#: Colours and marks of the branches of a bifurcation, from dark to light, and their texts.
+BRANCH_STYLES = (
+    ("black", "o"),
+    ("#c66d27", "D"),
+    ("#57c16b", "^"),
+    ("#1776b4", "v"),
+    ("#b282ea", "s"),
+)
+BRANCH_TEXTS = {"upward": "followed upward", "downward": "only followed downward"}
+NO_DRIVE_LABEL = r"$x$ where $\dot{x}$ falls through 0"
+
+
+def _branches(
+    found: Bifurcation, component: Literal["x", "v"], ax: Axes | None, figsize: FigureSize
+) -> Figure:
+    """Draw a bifurcation diagram with a look for each branch that has an attractor of its own."""
+    drive = "upward" in found.branches
+    coordinate = "xv".index(component)
+    entries: dict[str, Any] = {}
+    with axes_for(ax, (5.4, 3.6), figsize=figsize) as (drawing, (axes,)):
+        for n, branch in enumerate(found.branches):
+            alone = found.attractor[:, n] == n
+            if not alone.any():
+                continue
+            points = found.points[alone, n, :, coordinate]
+            colour, mark = BRANCH_STYLES[n % len(BRANCH_STYLES)]
+            size = 2.4 if points.shape[1] == 1 else max(0.5, 12.0 / points.size**0.25)
+            style: Record = {"marker": mark, "color": colour, "linestyle": "none"}
+            axes.plot(
+                np.repeat(found.values[alone], points.shape[1]), points.ravel(),
+                **style, ms=size, markeredgewidth=0, rasterized=True, zorder=2 + n,
+            )  # fmt: skip
+            if drive:
+                text = BRANCH_TEXTS.get(branch, f"only from {branch}")
+            else:
+                text = branch
+            (entries[text],) = axes.plot([], [], **style, ms=4, markeredgewidth=0)
+        axes.set(
+            xlabel=label(found.name),
+            ylabel=COMPONENT_LABELS[component] if drive else NO_DRIVE_LABEL,
+            xlim=(found.values.min(), found.values.max()),
+        )
+        if len(entries) > 1 or not drive:
+            add_legend(drawing, ax, entries, 2 if len(entries) == 4 else 3)
     return drawing
 
 
@@ -307,6 +360,11 @@ RESPONSE_STYLES: dict[str, Record] = {
     "friction": {"color": "#cc79a7", "ls": (0, (1, 1)), "label": "in friction"},
     "balance_error": {"color": BALANCE_COLOR},
 }
+#: What the lines of a response look like that was followed up and down.
+RESPONSE_WAYS: dict[str, Record] = {
+    "up": {"color": "black", "ls": "-", "marker": "^", "mfc": "black"},
+    "down": {"color": "0.55", "ls": (0, (4, 2)), "marker": "v", "mfc": "white"},
+}
 #: The columns of each panel of a frequency response, the label of its axis, and the height of a
 #: thin line across.
 RESPONSE_PANELS: dict[str, tuple[tuple[str, ...], str, float | None]] = {
@@ -343,7 +401,8 @@ def response_figure(
     panels, ax, figsize : optional
         As for `symosc.plot.figure`. The panels are a amplitude, with that of harmonic balance, b
         transmissibility, c phase, d energies per cycle, e share of the time stuck, f error of
-        harmonic balance. Default: all, with `ax` a.
+        harmonic balance. Default: all, with `ax` a. Where the motion was followed up and down,
+        there is a line for each way, of the first of these alone, and no panel f.
 
     Examples
     --------
@@ -355,13 +414,17 @@ def response_figure(
     from symosc.analysis.response import FrequencyResponse
 
     require(FrequencyResponse, found=found)
-    order = np.argsort(found.values)
+    # The words are those of the way that was followed first.
+    first = np.flatnonzero(found.direction == found.direction[0])
+    order = first[np.argsort(found.values[first])]
     # A motion without a word has a blank: a name that takes room and shows nothing.
     words = np.where(
         found.status == "rest", "rest", [cycle(str(word)) or " " for word in found.word]
     )[order]
     layout: Record = {"more": 0.5, "columns": 2, "letter_at": -0.12}
     draw = {letter: partial(_response_panel, letter=letter) for letter in RESPONSE_PANELS}
+    if found.direction[0] and np.isnan(found.balance_error).all():
+        del draw["f"]
     with panels_for(found, draw, panels, ax, (3.5, 2.1), figsize=figsize, **layout) as (
         drawing,
         row,
@@ -370,7 +433,7 @@ def response_figure(
             axes.set_xlim(found.values.min(), found.values.max())
             _mark_changes(axes, found.values[order], words, named=axes is row[0])
         for axes in row[-2:]:  # the lowest of each of the two columns
-            axes.set_xlabel(PARAMETER_LABELS[found.name])
+            axes.set_xlabel(f"${quantity_of(found.name).letter}$")
         add_legend(drawing, ax, row, 5)
     return drawing
 
@@ -379,18 +442,20 @@ def _response_panel(axes: Axes, response: FrequencyResponse, letter: str) -> Non
     """Draw a panel of a frequency response, with gaps where a column is infinite."""
     names, text, level = RESPONSE_PANELS[letter]
     drawn = list[np.ndarray]()
-    order = np.argsort(response.values)
     shift = {"phase": 2 * pi * (response.phase < -pi / 2)}  # phases from -pi/2 to 3 pi/2
-    for name in names:
-        column = getattr(response, name)[order] + shift.get(name, np.zeros(len(order)))[order]
-        column = np.where(np.isfinite(column), column, np.nan)
-        if name == "balance_error":  # in percent
-            column = column * 100
-        style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
-        if len(column) <= FEW_POINTS:
-            style |= {"marker": "o", "ms": 3}
-        axes.plot(response.values[order], column, **style)
-        drawn.append(column[np.isfinite(column)])
+    for way in dict.fromkeys(response.direction.tolist()):
+        rows = np.flatnonzero(response.direction == way)
+        order = rows[np.argsort(response.values[rows])]
+        for name in names:
+            if way and name != names[0]:  # two lines, which differ in print too, are enough
+                continue
+            column = getattr(response, name)[order]
+            column = column + shift.get(name, np.zeros(len(response)))[order]
+            column = np.where(np.isfinite(column), column, np.nan)
+            if name == "balance_error":  # in percent
+                column = column * 100
+            axes.plot(response.values[order], column, **_line_style(name, way, column))
+            drawn.append(column[np.isfinite(column)])
     if level is not None:
         axes.axhline(level, color="0.6", lw=0.6, zorder=0)
     axes.set_ylabel(text)
@@ -399,7 +464,21 @@ def _response_panel(axes: Axes, response: FrequencyResponse, letter: str) -> Non
     elif letter == "e":
         axes.set_ylim(-0.02, 1.02)
     elif letter in "abd":
-        _fit_height(axes, response, np.concatenate(drawn))
+        _fit_height(axes, response, np.concatenate([np.zeros(0), *drawn]))
+
+
+def _line_style(name: str, way: str, column: np.ndarray) -> Record:
+    """Return the style of a column of a response.
+
+    Followed upwards it is dark, with triangles that point up, downwards grey and open: the ways
+    differ in print too.
+    """
+    style: Record = {"color": "black", "lw": 1.2} | RESPONSE_STYLES.get(name, {})
+    if len(column) <= FEW_POINTS:
+        style |= {"marker": "o", "ms": 3}
+    if not way:
+        return style
+    return style | {"ms": 3.5, "label": f"{way}wards"} | RESPONSE_WAYS[way]
 
 
 def _fit_height(axes: Axes, response: FrequencyResponse, drawn: np.ndarray) -> None:

@@ -28,11 +28,11 @@ from symosc.certificates.certificate import Certificate, provable, proven_rows
 from symosc.certificates.certify import certify
 from symosc.derivatives.sensitivities import sensitivities
 from symosc.engine.arithmetic import mp_context
-from symosc.model import PARAMETER_NAMES, Parameters
-from symosc.orbits.find import find_orbit
+from symosc.model import Model
+from symosc.orbits.find import find_orbit, is_of_paper
 from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
-from symosc.simulation.tangents import NAMES
+from symosc.simulation.tangents import names_of
 from symosc.simulation.trajectory import Event, map_labels
 
 #: Digits of the given events, and of the runs where there is no proof.
@@ -57,10 +57,10 @@ class KnownEvent(NamedTuple):
         What happens (cross, stick, slip or graze), and the modes before and after it, as in
         `symosc.Event`.
     boundary : int
-        The belt, 1 or 2, at which it happens.
+        The belt, counted by speed from 1, at which it happens.
     word : str
-        The mapping that ends with the event: "P1" to "P8", "" for the way from a start between the
-        belts.
+        The mapping that ends with the event: "P1" to "P8", or with another number of belts than
+        two "S1", "B1" and so on; "" for the way from a start between the belts.
 
     Examples
     --------
@@ -157,8 +157,8 @@ class ReferenceCase:
     quick: bool = False
 
     @property
-    def parameters(self) -> Parameters:
-        """The parameters."""
+    def parameters(self) -> Model:
+        """The parameters: an `Oscillator` where the friction law is not the paper's."""
         return self.scene.parameters
 
     @property
@@ -186,8 +186,10 @@ class ReferenceCase:
         """The certificate of the events and of all provable derivatives; if nothing is proven, it
         says why.
         """
+        if not is_of_paper(self.parameters):
+            return Certificate("trajectory", False, self.open)
         if self._may_prove_derivatives:
-            wrt = provable(self.parameters, self.v0)
+            wrt = provable(self.scene.parameters, self.v0)
             certificate = certify(self.scene, digits=GIVEN_DIGITS, wrt=wrt)
             if certificate.proven:
                 return certificate
@@ -248,8 +250,9 @@ class ReferenceCase:
             ),
             0,
         )
+        labels = map_labels(len(self.parameters.law.belts))
         for row in rows:
-            row["word"] = map_labels(2).get((before, row["source"], row["boundary"]), "")
+            row["word"] = labels.get((before, row["source"], row["boundary"]), "")
             before = row["boundary"]
         return tuple(KnownEvent(**row) for row in rows)
 
@@ -260,6 +263,7 @@ class ReferenceCase:
         """
         if self.periods:
             return ({},) * len(self.events)
+        names = names_of(self.parameters)
         proven_names = self.certificate.statement.get("wrt", ())
         stated = self.certificate.derivatives
         rows: list[dict[str, KnownChange]] = [{} for _ in self.events]
@@ -267,15 +271,15 @@ class ReferenceCase:
             for j, name in enumerate(proven_names):
                 dt_by_name, dx_by_name = stated[n]
                 row[name] = KnownChange(dt_by_name[j], dx_by_name[j], proven=True)
-        if len(proven_names) < len(NAMES):
-            s = sensitivities(self.scene, NAMES, digits=COMPUTED_DIGITS)
+        if len(proven_names) < len(names):
+            s = sensitivities(self.scene, names, digits=COMPUTED_DIGITS)
             for n, row in enumerate(rows):
-                for j, name in enumerate(NAMES):
+                for j, name in enumerate(names):
                     if name not in row and s.regular[n, j]:
                         row[name] = KnownChange(
                             _enclosed(s.dt[n, j]), _enclosed(s.dx[n, j]), proven=False
                         )
-        return tuple({name: row[name] for name in NAMES if name in row} for row in rows)
+        return tuple({name: row[name] for name in names if name in row} for row in rows)
 
     @property
     def count(self) -> int:
@@ -385,7 +389,7 @@ def conditions(scene: Scene, events: Callable[[Scene, int], Sequence[Event]]) ->
     certain = count  # events whose sequence no change alters
     totals_t = [0.0] * count
     totals_x = [0.0] * count
-    for name in (*PARAMETER_NAMES, "t0", "x0", "v0"):
+    for name in names_of(scene.parameters):
         if shifted(scene, name, largest_step) == scene:  # as 0 is, whose changes are relative
             continue
         # Smaller and smaller changes, until one leaves the sequence of events as it is.
@@ -420,19 +424,19 @@ def shifted(scene: Scene, name: str, step: Fraction) -> Scene:
 
     A start on a belt stays on the belt.
     """
-    p = scene.parameters
-    on_belt = next((name for name in ("v1", "v2") if getattr(p, name) == scene.v0), "")
+    p: Model = scene.parameters
+    belt = p.law.boundary_of(scene.v0)
+    on_belt = f"v{belt}" if belt else ""
     if name in ("t0", "x0", "v0"):
         value = getattr(scene, name)
         if name == "v0" and on_belt:
             return scene
         return replace(scene, **{name: value * (1 + step)})
-    value = getattr(p, name) * (1 + step)
+    value = p.numbers()[name] * (1 + step)
+    changes: dict[str, Any] = {"parameters": p.replace(**{name: value})}
     if name == on_belt:
-        start = {"v0": value}
-    else:
-        start = {}
-    return replace(scene, parameters=p.replace(**{name: value}), **start)
+        changes["v0"] = value
+    return replace(scene, **changes)
 
 
 def _count_equal(before: Sequence[Event], after: Sequence[Event]) -> int:

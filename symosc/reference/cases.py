@@ -30,10 +30,11 @@ from symosc.kernels.theorem7_cases import place
 from symosc.model import Parameters
 from symosc.orbits.find import find_orbit
 from symosc.reference.case import ReferenceCase
+from symosc.reference.law_cases import LAW_GROUPS, law_cases
 from symosc.scenes import Scene, figure_of, load_scene, scene_names
 
 #: One more whenever a case is added or changed, so that scores name the set that they belong to.
-SET_VERSION = 1
+SET_VERSION = 2
 PAPER_SCENES = "paper"
 GRAZES = "exact graze"
 RESTS = "creeping and rest"
@@ -71,6 +72,7 @@ CASE_GROUPS = {
     "without stops",
     CONTINUUM: "orbits that no motion returns to after an error",
     LONG_RUNS: "hundreds of events: errors that add up",
+    **LAW_GROUPS,
 }
 
 
@@ -86,7 +88,7 @@ def reference_cases() -> Sequence[ReferenceCase]:
     >>> from symosc import reference_cases
     >>> cases = reference_cases()
     >>> cases[0].name, cases[-1].group
-    ('paper-fig5', 'long run')
+    ('paper-fig5', 'friction curve')
     """
     resting = (_creeping_cases, _limit_speed_cases, _belt_start_cases)
     oscillating = (_slide_cases, _first_stop_cases, _resonance_cases, _decay_cases)
@@ -98,6 +100,7 @@ def reference_cases() -> Sequence[ReferenceCase]:
         *oscillating,
         continuum,
         _long_run_cases,
+        law_cases,
     )
     return Listing([case for cases in of_groups for case in cases()])
 

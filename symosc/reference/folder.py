@@ -28,17 +28,21 @@ from symosc.base.errors import ResultError
 from symosc.base.exact import show
 from symosc.base.files import check_folder, read_path, write_folder
 from symosc.base.workers import process_pool
+from symosc.belts import Belt
 from symosc.crosschecks.events import WINDOW
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Oscillator, Parameters
 from symosc.reference.case import GIVEN_DIGITS, KnownChange, KnownEvent, ReferenceCase, with_known
 from symosc.reference.cases import CASE_GROUPS, SET_VERSION, reference_cases
 from symosc.reference.score import KIND_WINDOW, ROUNDING_UNIT, SCORE_TOLERANCE, UNITS_ALLOWED
-from symosc.scenes import Scene
+from symosc.scenes import Scene, as_toml
 from symosc.simulation.simulate import simulate
 
 SET_FORMAT = "symosc reference cases 1"
 MANIFEST = "manifest.json"
 CASES_TABLE = "cases.csv"
+#: Cases under other friction laws, and their belts.
+LAWS_TABLE = "laws.csv"
+BELTS_TABLE = "belts.csv"
 EVENTS_FILE = "events.csv"
 CASE_FILE = "case.toml"
 CHANGES_FILE = "derivatives.csv"
@@ -61,6 +65,17 @@ TABLE_COLUMNS = (
     "condition",
     "proven",
 )
+LAW_COLUMNS = (
+    "name",
+    "group",
+    *OSCILLATOR_NAMES,
+    *START_AND_END,
+    "belts",
+    "events",
+    "condition",
+    "proven",
+)
+BELT_COLUMNS = ("name", "belt", "v", "w", "mu", "mu_s", "slope")
 EVENT_COLUMNS = ("t_low", "t_high", "x_low", "x_high", *KnownEvent._fields[2:], "condition")
 CHANGE_COLUMNS = ("event", "wrt", "dt_low", "dt_high", "dx_low", "dx_high", "proven")
 
@@ -92,9 +107,16 @@ def write_cases(
             rows.append(row)
             if progress:
                 progress(1)
+    of_paper = [row for row in rows if not row["belts"]]
     texts[CASES_TABLE] = _csv_text(
-        TABLE_COLUMNS, ([row[name] for name in TABLE_COLUMNS] for row in rows)
+        TABLE_COLUMNS, ([row[name] for name in TABLE_COLUMNS] for row in of_paper)
     )
+    of_laws = [row for row in rows if row["belts"]]
+    if of_laws:
+        texts[LAWS_TABLE] = _csv_text(
+            LAW_COLUMNS, ([row[name] for name in LAW_COLUMNS] for row in of_laws)
+        )
+        texts[BELTS_TABLE] = _csv_text(BELT_COLUMNS, _belt_rows(written_cases))
     texts["README.md"] = _readme_text(rows, max(map(len, texts[CASES_TABLE].splitlines())))
     texts[MANIFEST] = _manifest_text(rows, texts)
     return write_folder(path, texts, _files_of_earlier_run)
@@ -132,7 +154,23 @@ def _case_files(case: ReferenceCase) -> tuple[dict[str, str], Record]:
     about |= case.parameters.as_dict() | {
         name: exact_text(getattr(case, name)) for name in START_AND_END
     }
+    # Those of the paper's law are in the table of cases.
+    about["belts"] = len(case.parameters.law.belts) if _has_other_law(case) else 0
     return {f"{case.name}/{name}": text for name, text in files_of_case.items()}, about
+
+
+def _has_other_law(case: ReferenceCase) -> bool:
+    """Return whether a case is not of the paper's eleven numbers."""
+    return isinstance(case.parameters, Oscillator)
+
+
+def _belt_rows(cases: Sequence[ReferenceCase]) -> Iterable[Sequence[Any]]:
+    """Yield a row for each point of the friction of each belt, of cases under other laws."""
+    for case in filter(_has_other_law, cases):
+        for n, belt in enumerate(case.parameters.law.belts, 1):
+            for w, mu in belt.curve or [(Fraction(0), belt.mu)]:
+                numbers = (belt.v, w, mu, belt.mu_s, belt.slope)
+                yield case.name, n, *map(exact_text, numbers)
 
 
 def exact_text(value: Fraction) -> str:
@@ -173,6 +211,10 @@ def _case_toml(case: ReferenceCase) -> str:
         "periods": case.periods,
     }
     about |= {"condition": float(f"{case.condition:.3g}"), "closed_form": list(case.closed_form)}
+    if _has_other_law(case):
+        scene = replace(case.scene, name=case.name, source="")
+        reference = "".join(f"{key} = {json.dumps(value)}\n" for key, value in about.items())
+        return f"{as_toml(scene)}\n\n[reference]\n{reference}"
     top: Record = {"name": case.name, "t_end": exact_text(case.t_end)}
     tables = {
         "": top,
@@ -340,7 +382,13 @@ def _read_case(folder: Path, name: str, sums: Record) -> ReferenceCase:
             dt = (dt_low, dt_high)
             dx = (dx_low, dx_high)
             changes[int(number)][wrt] = KnownChange(dt, dx, proven == "yes")
-    scene = Scene(name, Parameters(**about["parameters"]), **about["start"], t_end=about["t_end"])
+    model: Any
+    if "belts" in about:
+        belts = [Belt(**belt) for belt in about["belts"]]
+        model = Oscillator(**about["parameters"], belts=belts)
+    else:
+        model = Parameters(**about["parameters"])
+    scene = Scene(name, model, **about["start"], t_end=about["t_end"])
     case = ReferenceCase(
         name, scene=scene, **{key: about["reference"][key] for key in ("group", "hard", "periods")}
     )

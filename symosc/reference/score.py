@@ -280,7 +280,7 @@ class _Judge:
         but it is no event.
         """
         case = self.case
-        if not extra or case.v0 not in (case.parameters.v1, case.parameters.v2):
+        if not extra or not case.parameters.law.boundary_of(case.v0):
             return extra
         reach = self.tolerance * self.period + ROUNDING_UNIT * UNITS_ALLOWED * abs(float(case.t0))
         if abs(float(events[extra[0]].t - case.t0)) <= reach:

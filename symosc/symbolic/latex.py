@@ -277,6 +277,12 @@ class PaperPrinter(LatexPrinter):
     def _print_asin(self, expr: Expr, exp: Any = None) -> str:
         return rf"\arcsin{_parentheses(self._print(expr.args[0]))}"
 
+    def _print_atan(self, expr: Expr, exp: Any = None) -> str:
+        return rf"\arctan{_parentheses(self._print(expr.args[0]))}"
+
+    def _print_log(self, expr: Expr, exp: Any = None) -> str:
+        return rf"\ln{_parentheses(self._print(expr.args[0]))}"
+
     def _print_Interval(self, expr: Expr) -> str:
         """Print an interval, with tall brackets around fractions."""
         low, high, left_open, right_open = expr.args

@@ -10,16 +10,22 @@ import pytest
 from other_models import KINDS, TURN, Original, drawn
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
+from stiction_solver import solved
 
 from symosc import (
+    Belt,
+    Oscillator,
     OtherModel,
     ParameterError,
     Parameters,
+    find_orbit,
     frequency_response,
     load_scene,
     simulate,
 )
-from symosc.analysis.response import cycle_response, settle
+from symosc.analysis.response import settle
+from symosc.analysis.response_cycle import cycle_response
+from symosc.orbits import settling
 
 
 def wall(F: float | str, **others: object) -> OtherModel:
@@ -218,7 +224,7 @@ def test_the_error_says_how_far_a_motion_is_from_the_settled_one() -> None:
     _, (t, x, v), orbit = settle(model.parameters, (0.0, 1.0), None)
     assert orbit is not None
     assert max(map(abs, orbit.multipliers)) > 0.8
-    assert 5e-7 < cycle_response(model, (t, x + 1e-6, v), orbit)["error"] < 1e-5
+    assert 5e-7 < cycle_response(model, model.parameters, (t, x + 1e-6, v), orbit)["error"] < 1e-5
 
 
 def test_marinos_inversion() -> None:
@@ -235,3 +241,87 @@ def test_marinos_inversion() -> None:
         -1,
         1,
     ]  # sqrt(2) = 1.41421
+
+
+# -- laws with several settled motions -------------------------------------------------------------
+
+#: A mass on a running belt with falling friction: a small oscillation is stable beside large ones.
+FALLING = Oscillator(
+    m=1, c="1/10", k=1, B0="1/10", Omega=1,
+    belts=[Belt("3/2", curve=[(0, 1), ("1/4", "4/5"), (1, "14/25"), (3, "1/2")])],
+)  # fmt: skip
+
+
+def test_up_and_down_differ_where_two_motions_are_stable(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(settling, "SETTLING_LOOPS", (60, 200))  # long enough here
+    found = frequency_response(FALLING, {"Omega": [0.85, 1.0]})
+    assert found.values.tolist() == [0.85, 1.0, 1.0, 0.85]
+    assert found.direction.tolist() == ["up", "up", "down", "down"]
+    assert found.status[:3].tolist() == ["linear", "orbit", "orbit"]
+    assert found.word.tolist() == ["", "S1∘B1", "S1∘B1", ""]
+    assert "does not settle" in found.status[3]
+    # In the band of the relative speeds 1 to 3 friction takes 0.03 from the damping.
+    linear = 0.1 / abs(1 - 0.85**2 + 0.07j * 0.85)
+    assert found.amplitude[0] == pytest.approx(linear, rel=1e-12)
+    assert found.amplitude[1] == pytest.approx(found.amplitude[2], rel=1e-12)
+    assert found.work[:3] == pytest.approx(found.dissipated[:3], rel=1e-12)
+    up = frequency_response(FALLING, {"Omega": [0.85]}, direction="up")
+    assert up.amplitude[0] == found.amplitude[0]
+    with pytest.raises(ParameterError, match=r'direction.*must be "up", "down" or "both"'):
+        frequency_response(FALLING, {"Omega": [1]}, direction="left")
+    with pytest.raises(ParameterError, match=r"direction.*must be omitted: under this law"):
+        frequency_response("fig9", {"Omega": [4]}, direction="up")
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        FALLING,
+        FALLING.replace(belts=[Belt(0, "1/20", mu_s="1/10"), Belt(-1, "1/20")], Omega="4/5"),
+    ],
+    ids=["falling", "static"],
+)
+def test_other_laws_by_integration(model: Oscillator) -> None:
+    """Amplitude, energies and time of sticking of an orbit, by a careful user of scipy."""
+    Omega = float(model.Omega)
+    found = frequency_response(model, {"Omega": [Omega]}, direction="up")
+    assert found.status.tolist() == ["orbit"]
+    period = TURN / Omega
+    # Near the orbit, to which the motion by scipy comes by itself.
+    x0, v0 = find_orbit(model)(0.0)
+    run = solved(model, (0.0, x0 + 1e-5, v0), 25 * period)
+    times = np.linspace(24 * period, 25 * period, 200_001)
+    x, v = run(times)
+    damper = float(model.c) * np.trapezoid(v * v, times)
+    heat = np.zeros_like(v)
+    stuck = np.zeros(len(v), bool)
+    for belt in model.belts:
+        w = np.abs(v - float(belt.v))
+        points = np.array(belt.curve or [(0, belt.mu)], dtype=float)
+        heat += w * np.interp(w, *points.T)
+        stuck |= w < 1e-9
+    assert found.stuck[0] == pytest.approx(stuck.mean(), abs=2e-5)
+    assert found.amplitude[0] == pytest.approx(np.ptp(x) / 2, rel=1e-7)
+    assert found.damper[0] == pytest.approx(damper, rel=1e-7)
+    assert found.friction[0] == pytest.approx(np.trapezoid(heat, times), rel=1e-7)
+    first = 2 / period * np.trapezoid(x * np.exp(-1j * Omega * times), times)
+    assert found.harmonic[0] == pytest.approx(abs(first), rel=1e-7)
+    assert found.phase[0] == pytest.approx(-np.angle(first), abs=1e-7)
+
+
+def test_a_response_over_numbers_of_a_belt() -> None:
+    over = {"mu1_1": [0.7, 0.8]}
+    found = frequency_response(FALLING, over, direction="down")
+    for value, amplitude in zip(found.values, found.amplitude, strict=True):
+        alone = frequency_response(FALLING.replace(mu1_1=value), {"Omega": [1]}, direction="up")
+        assert amplitude == pytest.approx(alone.amplitude[0], rel=1e-10)
+    for change, message in (
+        ({"B0": 0}, "B0.*must not be 0 under this law"),
+        ({"k": 0}, "k.*must be > 0"),
+    ):
+        with pytest.raises(ParameterError, match=message):
+            frequency_response(FALLING.replace(**change), {"Omega": [1]})
+    with pytest.raises(ParameterError, match=r"over.*choose one of m, k, .*w1_1"):
+        frequency_response(FALLING, {"w1_9": [1]})

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from stiction_solver import UnclearError, solved
 
-from symosc import Belt, Oscillator, ParameterError, Rest, attractors, simulate
+from symosc import Belt, Chaotic, Oscillator, ParameterError, Rest, attractors, simulate
 from symosc.basins.plane import PhasePlane
 
 rng_of = np.random.default_rng
@@ -154,6 +154,38 @@ def test_two_orbits_of_one_drive_are_found_with_their_basins() -> None:
         states = orbit(turn * np.arange(orbit.periods))
         away[n] = np.abs(states.T - end).max(axis=1).min()
     assert max(away) < 0.02
+
+
+@pytest.mark.compiled("doubles")
+def test_orbits_that_stick_where_the_section_is_attract_along_the_belt() -> None:
+    """Beside the belt a neighbour flies off: static friction holds what kinetic friction would not."""
+    belt = Belt("0.122", mu="0.472", mu_s="1.034")
+    law = Oscillator(m=1, c="0.3877", k="0.895", B0="0.928", Omega="1.105", belts=[belt])
+    found = attractors(law, [(0, -0.1, 0.122), (0, 1, 1)], t_end="300T")
+    assert found.names == ("period 1 (1)", "period 1 (2)")
+    turn = 2 * pi / 1.105
+    end = solved(law, (0.0, -0.1, 0.122), 40 * turn)([40 * turn - 1e-9])[:, 0]
+    assert np.abs(found.orbits[found.basin[0]]([0.0])[:, 0] - end).max() < 1e-4
+
+
+@pytest.mark.compiled("doubles")
+def test_motions_that_creep_to_the_edge_of_the_rests_are_at_rest() -> None:
+    belts = [Belt(0, mu="0.591"), Belt("1.324", mu="0.239", mu_s="0.355")]
+    law = Oscillator(m=1, c="0.1408", k="0.712", A0="-0.23", B0="0.464", Omega="1.821", belts=belts)
+    found = attractors(law, [(0, 1, 0), (0, 2, 1), (0, 0, 0)], t_end="500T")
+    assert found.names == ("rest on belt 1",)
+    assert found.undecided == 0
+
+
+@pytest.mark.compiled("doubles")
+def test_chaos_is_named_and_mirrored_chaos_is_another_one() -> None:
+    law = Oscillator(m=1, c=0, k=1, B0=1, Omega="0.43", belts=[Belt(0, mu="0.21", mu_s="0.7393")])
+    found = attractors(law, random_starts(1, 12, (-3, -3), (3, 3)), t_end="300T")
+    assert [type(orbit) for orbit in found.orbits] == [Chaotic, Chaotic]
+    assert found.undecided == 0
+    for orbit in found.orbits:
+        assert orbit.exponent > 3 * orbit.error
+        assert orbit.per_slip == pytest.approx(0.159, rel=0.2)
 
 
 @pytest.mark.compiled("doubles")

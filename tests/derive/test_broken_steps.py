@@ -17,11 +17,15 @@ from symosc.derive import document
 from symosc.derive.chapters import (
     CHAPTERS,
     borders,
+    chaos,
     domains,
+    equilibria,
     events,
     friction_curves,
     maps,
+    return_maps,
     static_friction,
+    stick_slip,
     switching,
 )
 from symosc.derive.scope import Scope
@@ -115,6 +119,14 @@ def steps_with(module: ModuleType, label: str) -> list[Step]:
                 "separation",
             ),
             (friction_curves, "inner = 4 * (_COUNT - 1)", "inner = 3 * (_COUNT - 1)", "labels"),
+            (equilibria, "third * size**4 / 16", "third * size**4 / 8", "power"),
+            (equilibria, "8 * WIDTH * (SPEED - onset)", "4 * WIDTH * (SPEED - onset)", "beside"),
+            (stick_slip, "-(SPRING * SPEED * E2", "-(2 * SPRING * SPEED * E2", "gap"),
+            (stick_slip, "E1 / E2**2 + (2 * ratio", "E1 / E2**2 + (ratio", "bend"),
+            (return_maps, "shove = SIDE * EXCESS", "shove = -SIDE * EXCESS", "kick"),
+            (return_maps, "square = 2 * k", "square = k", "root"),
+            (chaos, "many = 1 + count * length", "many = 1 + count * length / 8", "count"),
+            (chaos, '"L", "2.125"', '"L", "2.120"', "map-L"),
         )
     ],
 )

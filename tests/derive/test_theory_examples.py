@@ -16,8 +16,16 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from symosc import Belt, Oscillator, Parameters, find_orbit, load_scene, simulate
-from symosc.derive import boundary_focus
-from symosc.derive.chapters import accumulation, codimension, corrections, orbits, undamped
+from symosc.derive import boundary_focus, slip_enclosure, slip_map
+from symosc.derive.chapters import (
+    accumulation,
+    codimension,
+    corrections,
+    orbits,
+    return_maps,
+    stick_slip,
+    undamped,
+)
 from symosc.orbits.floquet import rest_positions
 from symosc.words import cycle
 
@@ -383,3 +391,95 @@ def test_a_motion_of_the_package_follows_the_cycle_at_a_corner() -> None:
     motion = simulate(p, t0=0, x0=mpmath.nstr(start, 45), v0=1, t_end=period, digits=30)
     assert len(motion.events) == 0
     assert motion(float(period)) == pytest.approx([float(start), 1], abs=1e-14)
+
+
+# --- stick-slip cycles, return maps, chaos ---
+
+
+def test_the_damped_cycle_of_the_package_ends_where_the_theorem_says() -> None:
+    touch = stick_slip.touch_by_newton(stick_slip.DAMPED)
+    machine = stick_slip.DAMPED._replace(speed=stick_slip.CONTEXT.mpf("0.3"))
+    turn = stick_slip.flight_by_formula(machine)
+    belt = {"mu": "1/2", "mu_s": 1}
+    moving = Oscillator(m=1, c="1/10", k=1, belts=[Belt("3/10", **belt)])
+    events = simulate(moving, x0="9/10", v0="3/10", t_end=30).events
+    sticks = [event.t for event in events if event.kind == "stick"]
+    slips = [event.t for event in events if event.kind == "slip"]
+    assert sticks[1] - slips[1] == pytest.approx(float(turn.flight), abs=1e-12)
+    assert slips[2] - slips[1] == pytest.approx(float(turn.period), abs=1e-12)
+    for beside, cycles in (("-1e-9", True), ("1e-9", False)):
+        V = mpmath.nstr(touch.speed + mpmath.mpf(beside), 20)
+        moving = Oscillator(m=1, c="1/10", k=1, belts=[Belt(V, **belt)])
+        events = simulate(moving, x0="9/10", v0=V, t_end=100).events
+        assert any(event.kind == "stick" for event in events) == cycles
+
+
+def test_the_map_from_slip_to_slip_is_that_of_the_package() -> None:
+    belt = slip_map.in_digits(return_maps.DRIVEN)
+    moving = Oscillator(
+        m=1, c="1/20", k=1, B0="3/5", Omega="7/5", belts=[Belt("1/10", "7/10", mu_s="63/50")]
+    )
+    for phase in ("2.2", "2.5", "3.1"):
+        slip = slip_map.Slip(slip_map.CONTEXT.mpf(phase), -1)
+        arrival = slip_map.arrival(belt, slip)
+        following = slip_map.next_slip(belt, slip).slip
+        place = slip_map.place_of(belt, slip)
+        # A moment before the slip the mass sticks.
+        begin = slip.phase / belt.frequency - slip_map.CONTEXT.mpf("0.01")
+        x0 = mpmath.nstr(place - belt.speed / 100, 45)
+        motion = simulate(
+            moving, t0=mpmath.nstr(begin, 45), x0=x0, v0="1/10", max_events=3, t_end=60
+        )
+        first, stick, second = motion.events[:3]
+        assert [event.kind for event in (first, stick, second)] == ["slip", "stick", "slip"]
+        assert first.t * 1.4 == pytest.approx(float(phase), abs=1e-12)
+        assert stick.x == pytest.approx(float(arrival.place), abs=1e-12)
+        assert second.t * 1.4 == pytest.approx(float(following.phase), abs=1e-11)
+
+
+@pytest.mark.slow
+def test_an_interval_with_a_jump_is_not_proven_continuous() -> None:
+    """The map jumps at 2.1237: the next slip comes a period of the drive later."""
+    exact = return_maps.DRIVEN
+    assert slip_enclosure.is_continuous(exact, "2.13", "2.16", 1)
+    for low, high, minima in (
+        ("2.1236", "2.1237", 1),
+        ("2.1236", "2.1237", 2),
+        ("2.16", "2.16", 0),
+    ):
+        assert not slip_enclosure.is_continuous(exact, low, high, minima)
+    assert not slip_enclosure.is_continuous(exact._replace(holding=5), "2.16", "2.16", 1)
+
+
+@pytest.mark.slow
+def test_without_a_drive_turns_keep_their_order() -> None:
+    """Random laws with static friction and curves: the map from turn to turn never falls."""
+    dice = random.Random(47)
+    compared = 0
+    for seed in range(24):
+        speeds = dice.sample([-2, -1, 1, 2], dice.randint(1, 2))
+        belts = []
+        for speed in speeds:
+            kinetic = Fraction(dice.randint(1, 8), 8)
+            if dice.random() < 0.5:
+                excess = kinetic + Fraction(dice.randint(0, 8), 8)
+                belts.append(Belt(speed, mu=kinetic, mu_s=excess))
+            else:
+                belts.append(Belt(speed, curve=[(0, kinetic + 1), (1, kinetic)]))
+        p = Oscillator(m=1, c=Fraction(dice.randint(0, 6), 20), k=1, belts=belts)
+        starts = sorted(Fraction(dice.randint(-80, -1), 16) for _ in range(6))
+        turns = [turn for start in starts if (turn := next_turn(p, start)) is not None]
+        assert all(low <= high + 1e-3 for low, high in itertools.pairwise(turns)), (seed, p)
+        compared += len(turns)
+    assert compared > 70
+
+
+def next_turn(p: Oscillator, start: Fraction) -> float | None:
+    """Return where a motion that turns upward at a place does so next; None if it does not."""
+    motion = simulate(p, t0=0, x0=start, v0=0, t_end=25)
+    t = np.linspace(1e-6, 24.9, 8_000)
+    x, v = motion(t)
+    if v[0] <= 0:
+        return None
+    rising = np.flatnonzero((v[:-1] < 0) & (v[1:] >= 0))
+    return float(x[rising[0]]) if len(rising) else None

@@ -9,8 +9,8 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-import shooting_oracle
 from cli_runs import run
+from law_orbits import DRIVEN, FREE, STICK_SLIP, TWO_BANDS, confirmed, driven
 
 import symosc
 from symosc import (
@@ -28,18 +28,6 @@ from symosc import (
 from symosc.orbits.shooting import orbit_near
 from symosc.scenes import as_toml
 
-FREE: Any = {"m": 1, "c": 0, "k": 1}
-#: The stick-slip oscillator of the textbooks: its closed form is in the test.
-STICK_SLIP = Oscillator(**FREE, belts=[Belt("1/5", mu="1/2", mu_s=1)])
-#: Damping 1/10 below v = 1, and -3/10 above it.
-TWO_BANDS = Oscillator(m=1, c="1/10", k=1, belts=[Belt(10, curve=[(0, 4), (9, "0.4")])])
-DRIVEN: Any = {"m": 1, "c": "0.05", "k": 1, "B0": "0.6", "Omega": "1.4"}
-
-
-def driven(mu_s: str) -> Oscillator:
-    return Oscillator(**DRIVEN, belts=[Belt("0.1", mu="0.7", mu_s=mu_s)])
-
-
 #: Friction 1/2 + 1/2 exp(-2 w), at a speed where a rest and a stick-slip cycle attract.
 FALLING = Oscillator(
     m=1,
@@ -51,33 +39,6 @@ THREE = Oscillator(
     m=1, c="0.2", k=1, B0=3, Omega=2,
     belts=[Belt(-1, mu="0.5"), Belt(0, mu="0.5", mu_s="0.829"), Belt(1, mu="0.3")],
 )  # fmt: skip
-
-
-def as_oracle(p: Oscillator) -> dict[str, Any]:
-    """Return a law as the oracle takes it."""
-    names = ("m", "c", "k", "A0", "B0", "Omega", "FN")
-    belts = []
-    for belt in p.belts:
-        numbers = {"v": belt.v, "mu_s": belt.mu_s}
-        if belt.curve:
-            numbers |= {"curve": belt.curve, "slope": belt.slope}
-        else:
-            numbers |= {"mu": belt.mu}
-        belts.append(numbers)
-    return {name: getattr(p, name) for name in names} | {"belts": belts}
-
-
-def confirmed(orbit: Any, tolerance: float) -> float:
-    """Assert that the oracle finds the same orbit; return its largest multiplier."""
-    t, x, v = orbit.start
-    truth = shooting_oracle.periodic_orbit(
-        as_oracle(orbit.parameters), t, x, v, float(orbit.period)
-    )
-    for own, true in ((x, truth.x), (v, truth.v), (orbit.period, truth.period)):
-        assert abs(shooting_oracle.exact(own) - shooting_oracle.exact(true)) < tolerance
-    for own, true in zip(orbit.multipliers, truth.multipliers, strict=True):
-        assert abs(complex(own) - complex(true)) < max(tolerance, 1e-9) * max(1.0, abs(true))
-    return float(abs(truth.multipliers[0]))
 
 
 def test_the_stick_slip_cycle_has_the_period_of_its_closed_form() -> None:
@@ -111,6 +72,7 @@ def test_the_largest_displacement_of_the_cycle() -> None:
         assert abs(turns[0] - mpmath.mpf("1.038516480713450403125071049154")) < 1e-24
 
 
+@pytest.mark.slow
 def test_the_cycle_of_leine_has_its_period() -> None:
     """Numbers of Leine, van Campen, de Kraker and van den Steen 1998, by their closed law."""
     belt = Belt.from_function("1/5", lambda w: 1 / (1 + 3 * w), "1.5", 256)
@@ -119,6 +81,7 @@ def test_the_cycle_of_leine_has_its_period() -> None:
     assert cycle.word == "S1∘B1"
 
 
+@pytest.mark.slow
 def test_an_unstable_cycle_is_born_at_a_corner() -> None:
     cycle = find_orbit(TWO_BANDS, guess=(0, 1, 2))
     t = np.linspace(0, float(cycle.period), 20_001)
@@ -180,6 +143,7 @@ def test_static_friction_keeps_the_period_of_the_drive(mu_s: str) -> None:
     assert (first.t - slip.t + period / 2) % period == pytest.approx(period / 2, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_chaos_is_named_with_its_exponent() -> None:
     with pytest.raises(ConvergenceError, match=r"chaotic, with the exponent 0\.0[12]"):
         find_orbit(driven("1.26"))
@@ -235,6 +199,7 @@ def test_a_scene_starts_where_it_does() -> None:
     assert find_orbit(scene, x0="0.7").is_rest
 
 
+@pytest.mark.slow
 def test_derivatives_are_those_of_neighbouring_orbits() -> None:
     for p in (STICK_SLIP, driven("0.98")):
         orbit = find_orbit(p)
@@ -266,6 +231,7 @@ def test_a_start_approaches_the_orbit() -> None:
     assert approach.periods > 10
 
 
+@pytest.mark.slow
 def test_orbits_are_drawn_and_printed(tmp_path: Any, monkeypatch: Any) -> None:
     for orbit in (
         find_orbit(STICK_SLIP), find_orbit(FALLING, x0="0.7"), find_orbit(THREE),

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from symosc import OtherModel, frequency_response
+from symosc import Belt, Oscillator, OtherModel, frequency_response
 from symosc.analysis.response import FrequencyResponse
+from symosc.orbits import settling
 from symosc.plot.sweeps import FEW_POINTS, RESPONSE_PANELS
 
 #: A base that moves by cos(Omega t), with light damping and friction: a high peak, finite.
@@ -81,3 +82,20 @@ def test_few_values_have_markers() -> None:
 def test_each_panel_can_be_drawn_without_a_finite_value() -> None:
     nothing = dict.fromkeys(("amplitude", "transmissibility", "balance"), np.full(60, np.nan))
     assert len(response(nothing).plot().axes) == len(RESPONSE_PANELS)
+
+
+def test_up_and_down_are_told_apart_without_colours(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(settling, "SETTLING_LOOPS", (60,))
+    law = {"m": 1, "c": "1/10", "k": 1, "B0": "1/10", "Omega": 1}
+    belt = Belt("3/2", curve=[(0, 1), ("1/4", "4/5"), (1, "14/25"), (3, "1/2")])
+    found = frequency_response(Oscillator(**law, belts=[belt]), {"Omega": [0.9, 1.0, 1.1]})
+    drawing = found.plot()
+    assert [axes.get_ylabel() for axes in drawing.axes[:2]] == ["amplitude", "transmissibility"]
+    assert len(drawing.axes) == 5
+    up, down = drawing.axes[0].lines[:2]
+    assert (up.get_label(), down.get_label()) == ("upwards", "downwards")
+    assert up.get_xdata().tolist() == down.get_xdata().tolist() == [0.9, 1.0, 1.1]
+    looks = [(line.get_marker(), line.get_linestyle(), line.get_color()) for line in (up, down)]
+    assert looks == [("^", "-", "black"), ("v", "--", "0.55")]
+    with pytest.raises(ValueError, match="panels"):
+        found.plot("f")

@@ -25,6 +25,7 @@ from symosc import load_scene, plot
 
 P5 = load_scene("fig5").parameters
 P9 = load_scene("fig9").parameters
+FREE = symosc.Oscillator(m=1, c="0.1", k=1, belts=[symosc.Belt("1/2", mu="1/2", mu_s=1)])
 
 
 class Broken:
@@ -183,17 +184,23 @@ VALID: dict[str, set[str]] = {
         NUMBER,
     ),
     **_each(
-        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, Y, Y_phase, W, W_phase",
+        "tolerance, global_tolerance, within, low, high, skip, start_error, phase, pull, Y, Y_phase, W, W_phase",
         NUMBER,
     ),
     **_each("Belt v, Belt mu, Belt mu_s, Belt.replace mu, Oscillator.replace mu_s1", NUMBER),
-    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s, until", NUMBER),
+    **_each("Belt slope, Belt.from_function v, Belt.from_function mu_s", NUMBER),
+    "until": NUMBER | PAIRS,
+    "doublings": {"3", "array_0_whole"},
     "Belt.from_function mu": {"lambda"},
     "pieces": {"3", "array_0_whole"},
     **_each("g, angle, atlas prove, atlas seconds, grazing_start periods", NUMBER),
     **_each("Scene start_error, simulate_many skip", NUMBER | {"array_0"}),
     **_each("theorem7 gamma, theorem7 amplitude", NUMBER | {"symbol"}),
     **_each("fit sigma, values_containing theta", NUMBER | {"[1,2]"}),
+    **_each("ReturnMap.orbit at, ReturnMap.exponent at, plot.return_map_figure start", NUMBER),
+    "ReturnMap.__call__ at": NUMBER | ROWS | {"mpf_tiny", "fraction_long"},
+    "ReturnMap.exponent skip": {"0", "3", "array_0_whole"},
+    "return_map over": PAIRS,
     "accuracy": NUMBER | {"inf"},
     "ParameterValues.__contains__ value": NUMBER | {"oo"},
     "solve_map theta_i": NUMBER | {"mpf_tiny", "fraction_long"},
@@ -231,7 +238,9 @@ VALID: dict[str, set[str]] = {
         "p, parameters, sweep scene, sweep_status scene, crosscheck scene, simulate scene", BOTH
     ),
     **_each(
-        "atlas what, attractors what, frequency_response what, fit what, sensitivities what", BOTH
+        "atlas what, attractors what, bifurcation what, return_map what, frequency_response what, "
+        "fit what, sensitivities what",
+        BOTH,
     ),
     **_each("values_containing p, values_empty p, values_everything p", BOTH | {"None"}),
     "certify what": BOTH | {"Atlas"},
@@ -254,13 +263,18 @@ VALID: dict[str, set[str]] = {
 }
 #: What a message may name in place of a parameter: the parts of it.
 CALLED = {
-    "data": ("file", "path", "t", "kind", "x", "v"),
+    "data": ("file", "path", "t", "kind", "x", "v", "column", "function", "solution"),
+    "curve": ("mu",),
+    "law": ("quantity",),
+    "quantity": ("law",),
     "end": ("x_j", "theta_j"),
+    "events": ("t of events",),
     "first": ("Omega",),
     "given": ("a",),
     "high": ("Omega",),
     "low": ("Omega",),
     "m": ("v2",),
+    "mu": ("curve", "mu_s"),
     "Omega": ("v2",),
     "phase": ("angle",),
     "Y_phase": ("angle",),
@@ -272,6 +286,7 @@ CALLED = {
     "start": ("x_i", "theta_i"),
     "t_end": ("skip",),
     "t": (
+        "DataArray",
         "MaskedConstant",
         "column",
         "file",
@@ -320,6 +335,8 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "border": lambda: symosc.continue_border(made("ended branch"), 0, "FN", (9, 11), step="0.1"),
     "window": lambda: symosc.grazing_window(P9, "P2"),
     "atlas": lambda: symosc.atlas(P9, {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1),
+    "return map": lambda: symosc.return_map(FREE, points=9),
+    "bifurcation": lambda: symosc.bifurcation(FREE, {"v1": [0.4, 0.5]}),
     "curve": lambda: symosc.grazing_curve(P9, "P2", n=50),
     "samples": _samples,
     "fit": lambda: symosc.fit("fig5", [(0.1223, "stick"), (1.221, "slip")], "mu1", sigma=1e-3),
@@ -337,6 +354,7 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "line": lambda: symosc.sweep(
         "fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"
     ),
+    "attractors": lambda: symosc.attractors(P9, {"x0": [0, 1], "v0": [0, 1]}, t_end="40T"),
     "scores": _scores,
     "drawing": lambda: plot.figure("fig6", panels="a"),
 }
@@ -383,6 +401,11 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "simulate digits": (s.simulate, {"scene": "fig6", "t_end": 2, "digits": 20}),
         "sensitivities": (s.sensitivities, {"what": P5, "wrt": ("mu1",), **start, "max_events": 3}),
         "attractors": (s.attractors, {"what": P9, "starts": [(0, 0, 0)], "t_end": "40T"}),
+        "bifurcation": (
+            s.bifurcation,
+            {"what": P9, "over": {"Omega": [4, 4.1]}, "sections": 2, "skip": 2},
+        ),
+        "return_map": (s.return_map, {"what": P9, "points": 8}),
         "frequency_response": (s.frequency_response, {"what": "fig9", "over": {"Omega": [4]}}),
         "fit": (
             s.fit,
@@ -443,6 +466,7 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "sweep": (s.sweep, swept),
         "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
         "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
+        "plot.attractors_figure": (plot.attractors_figure, {"found": made("attractors")}),
         "plot.sweep_figure": (
             plot.sweep_figure,
             grazes | {"name": "Omega", "low": "0.1", "high": 4},
@@ -455,6 +479,10 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "Belt.from_function": (
             s.Belt.from_function,
             {"v": 1, "mu": lambda w: 1, "until": 2, "pieces": 3, "mu_s": 2},
+        ),
+        "law_error": (
+            s.law_error,
+            {"law": lambda n: n, "quantity": lambda n: 1 / n**2, "pieces": 3},
         ),
         "plot.friction_figure": (plot.friction_figure, {"p": P9, "v": (0, 6)}),
     }
@@ -527,6 +555,11 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "plot.branch_figure": (plot.branch_figure, {"branch": m("branch"), "panels": "a"}),
         "plot.basin_figure": (plot.basin_figure, {"dataset": m("basins")}),
         "plot.bifurcation_figure": (plot.bifurcation_figure, {"dataset": m("line")}),
+        "plot.attractors_figure": (plot.attractors_figure, {"found": m("attractors")}),
+        "ReturnMap.__call__": (m("return map").__call__, {"at": 1.0}),
+        "ReturnMap.fixed_points": (m("return map").fixed_points, {}),
+        "ReturnMap.orbit": (m("return map").orbit, {"at": 1.0, "n": 3}),
+        "ReturnMap.exponent": (m("return map").exponent, {"at": 1.0, "n": 3, "skip": 1}),
         "plot.curve_figure": (plot.curve_figure, {"dataset": m("line"), "name": "events"}),
         "plot.map_figure": (plot.map_figure, {"dataset": m("dataset")}),
         "plot.swept_figure": (plot.swept_figure, {"dataset": m("dataset")}),

@@ -15,6 +15,8 @@ FUNCTIONS = {
     r"\cosh": cmath.cosh,
     r"\coth": lambda z: 1 / cmath.tanh(z),
     r"\arcsin": cmath.asin,
+    r"\arctan": cmath.atan,
+    r"\ln": cmath.log,
 }
 SKIP = re.compile(
     r"(?:\s|\\,|\\cdot(?![a-z])|\\qquad|\\quad|&|\\left(?![a-z])|\\right(?![a-z])|\\[bB]igg?[lr](?![a-z]))+"

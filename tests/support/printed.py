@@ -36,7 +36,7 @@ PRINTED = (
     ("pulled_spring", "second stick", "3.000000000000"),
     ("pulled_spring", "slip", "2.844417623070"),
     ("bossolini_brons_kristiansen", "t where it stops", "2.028757838110"),
-    ("leine", "x_max from 128 and 256", "1.13394468"),
+    ("leine", "x_max extrapolated", "1.1339446764"),
     ("falling_friction", "V bSTAB, n = 1024", "1.1513"),
     ("falling_friction", "V Veraszto and Stepan, n = 1024", "0.1906"),
     ("falling_friction", "V from both", "1.8366"),

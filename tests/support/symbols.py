@@ -41,12 +41,14 @@ INDEXED = re.compile(
     r"x\^\{\+\}|[px]_n|B_1|\\ddot\{z\}|"
     r"(?:\\dot|\\ddot)\{r\}|\\dot\{[Uz]\}|\\tilde\{f\}|t\^\*|t_[2c]|v_[+-]|z_(?:1|2|\\infty)|"
     r"\\ddot\{F\}\^\{\(\\alpha\)\}|M_\d\d|\\epsilon_[+-]|"
+    r"[hv]_(?:0|1|2)|\\omega_[12]|\\d?dot\{(?:X|\\psi)\}|x_p'|N_n-[13]|a_N|"
+    r"(?:\\xi|\\theta|a|b)'{1,2}|\\xi_0|a_0(?:\^\{[+]\})?|t_0|S_n-1|"
     r"[fg]'{1,3}|[CSq]'{1,2}|[abcey]_[ij]|D_ij|y\^\*|P\^n|\\\||\\sum_j|\\max_i"
 )
 #: What every reader knows: numbers, operations, functions, letters that only count, and signs.
 KNOWN = re.compile(
     r"e|i|j|n|d|\\pi|s|z|\\epsilon|I|\\infty|\\mathbb\{R\}(?:\^\{?n\}?)?|T|w|\\ell"
-    r"|\\(?:sin|cos|tan|sinh|cosh|coth|arcsin|arctan|ln|det|lim|limsup|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|max|min|ldots|cdots)"
+    r"|\\(?:sin|cos|tan|sinh|cosh|coth|arcsin|arctan|ln|det|lim|limsup|operatorname\{\w+\}|mathrm\{mod\}|partial|nabla|int|prod|supset|max|min|ldots|cdots)"
 )
 #: Commands that are no symbols: spaces, brackets, relations, layout.
 SILENT = (

@@ -267,7 +267,8 @@ def as_columns(source: Any) -> Record | None:
     if hasattr(source, "dims") and hasattr(source, "coords"):
         return _of_data_array(source)
     for compute in ("collect", "compute", "read_all"):  # a lazy frame, or a reader
-        if hasattr(source, compute) and not hasattr(source, "__array__"):
+        has_columns = any(hasattr(source, name) for name in ("columns", "collect_schema", "schema"))
+        if hasattr(source, compute) and has_columns and not hasattr(source, "__array__"):
             return as_columns(getattr(source, compute)())
     for as_mapping in ("fetchnumpy", "_asdict"):
         if hasattr(source, as_mapping):

@@ -26,4 +26,8 @@ CHAPTERS = {
     "certificates": "why each kind of certificate proves what it says",
     "static_friction": "static friction above kinetic friction, and which theorems remain",
     "friction_curves": "friction that depends on speed, and which theorems remain",
+    "equilibria": "rests and their stability, and where oscillations begin",
+    "stick_slip": "stick-slip cycles in closed form",
+    "return_maps": "maps from slip to slip and from turn to turn",
+    "chaos": "when chaos is possible and when not",
 }

@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import sympy as sp
 
-from symosc.derive.boundary_focus import (
-    FOCUS,
-    FocusCycle,
-    focus_by_closed_forms,
-    focus_by_series,
-)
 from symosc.derive.chapters.motion import balance
 from symosc.derive.chapters.static_friction import JUMP
 from symosc.derive.chapters.switching import along_flow
@@ -66,12 +60,10 @@ LEAST = named("c_*")
 #: much a step may pass that.
 REACH = sp.Rational(7, 20)
 BEYOND = sp.Rational(5, 8)
-#: Decimals of the cycle that are printed.
-DECIMALS = 24
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: the law, its edges, growth, contraction, onset, labels, what remains."""
+    """Yield the chapter: the law, its edges, growth, contraction, labels, what remains."""
     yield _bands()
     yield _belts()
     yield _corners()
@@ -82,8 +74,6 @@ def items(scope: Scope) -> Items:
     yield _search()
     yield _contraction()
     yield _bounded()
-    yield _equilibrium()
-    yield _focus()
     yield _labels()
     yield _what_remains()
 
@@ -131,7 +121,7 @@ def _line(slower: int) -> BandEquation:
     return BandEquation(-total.diff(v), rest.subs(v, 0))
 
 
-def _in_band(damping: Any, force: Any, place: Any = x, speed: Any = v) -> Any:
+def in_band(damping: Any, force: Any, place: Any = x, speed: Any = v) -> Any:
     """Return the acceleration by the balance of forces in a band."""
     return balance(place, speed, Omega * t).subs({c: damping, solution.A: force})
 
@@ -282,7 +272,7 @@ def _belts() -> Items:
     }
     rate = named(r"m\dot{F}^{(j)}")
     position = x_i + v_lambda * (t - solution.t_i)
-    sliding = m * _in_band(DAMPING, FORCE, position, v_lambda)
+    sliding = m * in_band(DAMPING, FORCE, position, v_lambda)
     return (
         r"\subsection{What stays at a belt}",
         r"Let $F^{(j)}$ be the acceleration in band $j$, and let edge $u$ lie between the bands $j$ "
@@ -381,7 +371,7 @@ def _theorem7() -> Items:
     counter = named("n")
     wave = B0 * Omega**counter * sp.cos(theta + counter * sp.pi / 2) / m
     contact = named("x_m")
-    (place,) = sp.solve(_in_band(DAMPING, FORCE, x, v_lambda), x)
+    (place,) = sp.solve(in_band(DAMPING, FORCE, x, v_lambda), x)
     return (
         r"\begin{lemma}[G-functions at an edge]\label{thm:friction_curves-G} Along the flow of band "
         r"$j$, with $G^{(0,j)} = F^{(j)}$ and $G^{(-1,j)} = \dot{x}$, for all $n \ge 1$",
@@ -432,8 +422,8 @@ def _at_corner() -> dict[Any, Any]:
 
 def _corners() -> Items:
     """Return the items on corners."""
-    here = _in_band(DAMPING, FORCE, x, EDGE)
-    there = _in_band(NEXT_DAMPING, NEXT_FORCE, x, EDGE).subs(_at_corner())
+    here = in_band(DAMPING, FORCE, x, EDGE)
+    there = in_band(NEXT_DAMPING, NEXT_FORCE, x, EDGE).subs(_at_corner())
     meaning = {F(HERE): here, F(NEXT): there}
     return (
         r"\subsection{Corners are no events}",
@@ -494,8 +484,8 @@ def _touch() -> Items:
     impulse = named(r"\int g\,dt")
     area = sp.integrate(depth - bend * t**2 / 2, (t, -half, half))
     contact = {bend: 2 * depth / half**2}
-    here = _in_band(DAMPING, FORCE, x, EDGE + gap)
-    beyond = _in_band(NEXT_DAMPING, NEXT_FORCE, x, EDGE + gap).subs(_at_corner())
+    here = in_band(DAMPING, FORCE, x, EDGE + gap)
+    beyond = in_band(NEXT_DAMPING, NEXT_FORCE, x, EDGE + gap).subs(_at_corner())
     push = sp.simplify((beyond - here) / gap)
     return (
         r"\begin{proposition}[a touch]\label{thm:friction_curves-touch} Let the motion of band $j$, "
@@ -539,15 +529,15 @@ def _accumulation() -> Items:
     force_rate = named(r"\dot{U}")
     turning = named("r")
     path = sp.Function("x")(t)
-    here = _in_band(DAMPING, FORCE, x, EDGE)
+    here = in_band(DAMPING, FORCE, x, EDGE)
     jumped = {NEXT_FORCE: FORCE - (DAMPING - NEXT_DAMPING) * EDGE - m * JUMP}
     meaning = {
         force: here,
-        rate: _in_band(DAMPING, FORCE, x, v),
-        above: _in_band(NEXT_DAMPING, NEXT_FORCE, x, v).subs(jumped),
+        rate: in_band(DAMPING, FORCE, x, v),
+        above: in_band(NEXT_DAMPING, NEXT_FORCE, x, v).subs(jumped),
         gap: v - EDGE,
     }
-    moving = _in_band(DAMPING, FORCE, path, EDGE).diff(t)
+    moving = in_band(DAMPING, FORCE, path, EDGE).diff(t)
     moving = moving.subs(path.diff(t), EDGE + gap)
     turn = -(k * EDGE + B0 * Omega * sp.sin(Omega * t)) / m
     return (
@@ -906,155 +896,6 @@ def _bounded() -> Items:
     )
 
 
-# --- equilibrium and onset ---
-
-
-def _equilibrium() -> Items:
-    """Return the items on the rest without a drive, and its stability."""
-    rest = named("x^{*}")
-    first = named(r"\ell_1")
-    second = named(r"\ell_2")
-    exponent = sp.Symbol("ell")
-    roots = sp.solve(m * exponent**2 + DAMPING * exponent + k, exponent)
-    values = dict(zip((first, second), roots, strict=True))
-    (place,) = sp.solve(_in_band(DAMPING, FORCE, x, 0).subs(B0, 0), x)
-    return (
-        r"\subsection{The rest, and its onset}",
-        r"\begin{proposition}[rest]\label{thm:friction_curves-rest} Let $B_0 = 0$, $k > 0$, and let "
-        r"$\dot{x} = 0$ lie inside band $j$. The mass can rest in this band at",
-        equation(rest, FORCE / k, exact({rest: place}), "rest"),
-        r"only. The rest is asymptotically stable for $c_j > 0$, unstable for $c_j < 0$, and a "
-        r"centre for $c_j = 0$.\end{proposition}",
-        r"\begin{proof} $y = x - x^{*}$ obeys $m\ddot{y} + c_j\dot{y} + k y = 0$ near the rest. Its "
-        r"characteristic roots have",
-        equation(first + second, -DAMPING / m, exact(values, sp.simplify), "sum"),
-        equation(first * second, k / m, exact(values, sp.simplify), "product"),
-        r"so both real parts have the sign of $-c_j$.\end{proof}",
-        r"If $\dot{x} = 0$ is the speed of a belt, the rests are an interval, as before. So a rest "
-        r"loses its stability when a belt's speed moves a corner over the velocity 0, from a band "
-        r"with $c_1 > 0$ to one with $c_2 < 0$. In a smooth law it is a Hopf bifurcation at the "
-        r"speed where $c$ plus the slope of the curve is 0; a refined curve in pieces brackets it "
-        r"between two corners.",
-    )
-
-
-def _focus() -> Items:
-    """Return the items on the cycle that is born at a corner."""
-    distance = sp.Symbol("d", positive=True)
-    scale = sp.Symbol("epsilon", positive=True)
-    first, second = sp.symbols("c_1 c_2", real=True)
-    place = named("y")
-    speed = named(r"\dot{y}")
-    bend = named(r"\ddot{y}")
-    above = named(r"m\ddot{y} + c_2\dot{y} + k y")
-    (rest,) = sp.solve(_in_band(first, FORCE, x, 0).subs(B0, 0), x)
-    upper = FORCE - (first - second) * distance
-    forces = m * _in_band(second, upper, rest + place, speed).subs(B0, 0)
-    start = named("a")
-    launched = sp.exp(-RATE * tau) * (
-        sp.cos(FREQUENCY * tau) + (start + RATE) / FREQUENCY * sp.sin(FREQUENCY * tau)
-    )
-    stiffness = RATE**2 + FREQUENCY**2
-    rate = sp.exp(-RATE * tau) * (
-        start * sp.cos(FREQUENCY * tau)
-        - (k / m + RATE * start) / FREQUENCY * sp.sin(FREQUENCY * tau)
-    )
-    corner = m * bend + first * speed + k * place
-    (at_corner,) = sp.solve(corner.subs({bend: start * distance, speed: distance}), place)
-    exact_cycle = focus_by_closed_forms()
-    known = named(r"\ddot{y}/d")
-    position = named("y/d")
-    largest = named(r"\dot{y}/d")
-    scaled = named(r"\epsilon\,(m\ddot{y} + c_2\dot{y} + k y)")
-    return (
-        r"\begin{theorem}[a cycle is born at a corner]\label{thm:friction_curves-focus} Let $B_0 = "
-        r"0$, $k > 0$, let band 1 contain the velocity 0, and let a corner at the velocity $d > 0$ "
-        r"separate it from band 2. Let $y = x - x^{*}$, and let both bands be underdamped. While a "
-        r"motion stays in them, $m\ddot{y} + c_1\dot{y} + k y = 0$ for $\dot{y} \le d$, and for "
-        r"$\dot{y} \ge d$",
-        equation(
-            above,
-            (second - first) * distance,
-            exact({above: forces + second * speed + k * place}),
-            "focus",
-        ),
-        r"\begin{enumerate}\item[(i)] If $y$ is a motion for $d$, then $\epsilon y$ is one for "
-        r"$\epsilon d$: a cycle that is born when the corner passes the velocity 0 has an amplitude "
-        r"proportional to $d$, and a period and a multiplier that do not depend on $d$.\item[(ii)] "
-        r"A flight that leaves the corner with $\ddot{y} = a d$ has, with $h$ and $\omega_d$ of its "
-        r"band,",
-        equation(
-            largest,
-            launched,
-            solves(0, 1, start, 2 * RATE, stiffness),
-            "launched",
-        ),
-        equation(
-            known,
-            rate,
-            exact({known: launched.diff(tau), k: m * stiffness}, sp.simplify),
-            "launched-rate",
-        ),
-        r"and leaves it at the position",
-        equation(position, -(m * start + first) / k, exact({position: at_corner / distance}), "at"),
-        r"\item[(iii)] A cycle goes from the corner upward with $a_2 > 0$, comes back after $\tau_2$ "
-        r"with $a_1 < 0$, and is closed by a flight below the corner that lasts for $\tau_1$ and "
-        r"ends with $a_2$. Its multiplier is $e^{-(c_1\tau_1 + c_2\tau_2)/m}$.\end{enumerate}"
-        r"\end{theorem}",
-        r"\begin{proof} \eqref{eq:friction_curves-joined} gives \eqref{eq:friction_curves-focus}. "
-        r"(i) Both equations and the corner are homogeneous in $y$ and $d$:",
-        equation(
-            scaled,
-            (second - first) * scale * distance,
-            exact({scaled: scale * (m * bend + second * speed + k * place), bend: _bend(distance)}),
-            "scaled",
-        ),
-        r"(ii) $\dot{y}$ obeys the unforced equation of each band, and begins with $d$ and $a d$; "
-        r"at the corner both bands have the same acceleration. (iii) One multiplier is 1, along the "
-        r"motion, and the product of both is \eqref{eq:friction_curves-area}.\end{proof}",
-        r"\begin{example}[an unstable cycle]\label{thm:friction_curves-example} Let $m = k = 1$, "
-        r"$c_1 = \frac{1}{10}$ and $c_2 = -\frac{3}{10}$. The three equations of (iii) have the "
-        r"solution",
-        decimal("a_2", exact_cycle.start, DECIMALS, _seen(lambda cycle: cycle.start)),
-        decimal(r"\tau_2", exact_cycle.times[0], DECIMALS, _seen(lambda cycle: cycle.times[0])),
-        decimal(r"\tau_1", exact_cycle.times[1], DECIMALS, _seen(lambda cycle: cycle.times[1])),
-        r"so that the cycle has the period, the largest velocity, the position where it passes the "
-        r"corner upward, and the multiplier",
-        decimal(
-            r"\tau_1 + \tau_2",
-            sum(exact_cycle.times),
-            DECIMALS,
-            _seen(lambda cycle: sum(cycle.times)),
-        ),
-        decimal(r"\dot{y}_{\max}/d", exact_cycle.top, DECIMALS, _seen(lambda cycle: cycle.top)),
-        decimal(
-            "y/d",
-            -exact_cycle.start - FOCUS[0],
-            DECIMALS,
-            _seen(lambda cycle: -(cycle.start + FOCUS[0])),
-        ),
-        decimal(r"\rho", exact_cycle.factor, 11, _seen(lambda cycle: cycle.factor, 11)),
-        r"Taylor series of both equations, followed from corner to corner, have the same fixed "
-        r"point, and differences of their map the same multiplier. It exceeds 1: the cycle repels, "
-        r"and bounds the basin of the rest, which shrinks to nothing with $d$. The cycle ends where "
-        r"its largest velocity reaches a belt.\end{example}",
-        r"With $-c_1$ and $-c_2$ time runs backward, $\tilde{y}(t) = -y(-t)$ has the same "
-        r"velocities, and the cycle attracts: then the rest repels, and a stable cycle is born with "
-        r"an amplitude proportional to $d$, not to its root as in a smooth law.",
-    )
-
-
-def _bend(distance: Any) -> Any:
-    """Return the acceleration above the corner, from the equation of the theorem."""
-    first, second = sp.symbols("c_1 c_2", real=True)
-    return ((second - first) * distance - second * named(r"\dot{y}") - k * named("y")) / m
-
-
-def _seen(part: Callable[[FocusCycle], Any], decimals: int = DECIMALS) -> Check:
-    """Return the check that a decimal is what Taylor series have for a part of the cycle."""
-    return close(lambda: part(focus_by_series()), decimals)
-
-
 # --- labels ---
 
 
@@ -1217,7 +1058,7 @@ _REMAINS = (
         r"Distances never grow; no multiplier above 1, no positive exponent, no chaos, "
         r"Theorem~\ref{thm:exponents-chaos}",
         r"hold for $k > 0$",
-        r"fall (Example~\ref{thm:friction_curves-example})",
+        r"fall (Example~\ref{thm:equilibria-example})",
     ),
     (
         r"One motion attracts all others, with the period of the drive, "

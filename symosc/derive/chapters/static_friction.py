@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -27,9 +26,9 @@ from symosc.derive.steps import (
     exact,
     points,
     sign,
-    solves,
     step,
 )
+from symosc.derive.taylor import bisected
 from symosc.symbolic import solution
 from symosc.symbolic.latex import named
 from symosc.symbolic.solution import B0, FN, Omega, c, k, m, t, t_i, tau, theta, v, x, x_i
@@ -43,10 +42,7 @@ STATICS = {belt: sp.Symbol(rf"\mu_{{s{belt}}}", nonnegative=True) for belt in (1
 SIDE = sp.Symbol(r"\sigma", real=True)
 #: By how much a force falls on a belt per unit of time: (k v_lambda + B_0 Omega sin theta)/m.
 FALL = named("b")
-#: The cycle: half the way of the stick, the frequency of the flight, the speed of the belt.
-HALF = sp.Symbol("a", positive=True)
-FREQUENCY = solution.omega_0
-SPEED = sp.Symbol("V", positive=True)
+#: A spring, and the kinetic and the static limit of a belt.
 SPRING = sp.Symbol("k", positive=True)
 KINETIC = sp.Symbol("f", positive=True)
 HOLDING = sp.Symbol("s", positive=True)
@@ -54,14 +50,13 @@ DECIMALS = 12
 
 
 def items(scope: Scope) -> Items:
-    """Yield the chapter: the law, its events, uniqueness, derivatives, a cycle, what remains."""
+    """Yield the chapter: the law, its events, uniqueness, derivatives, what remains."""
     yield _law(scope)
     yield _slips(scope)
     yield _grazes()
     yield _counts()
     yield _unique()
     yield _saltation()
-    yield _cycle()
     yield _what_remains()
 
 
@@ -322,19 +317,6 @@ def _first_slip_of_the_example() -> Any:
     return time
 
 
-def bisected(is_before: Callable[[Any], bool], low: int, high: int) -> Any:
-    """Return where `is_before` changes from true to false, between two numbers."""
-    before = CONTEXT.mpf(low)
-    behind = CONTEXT.mpf(high)
-    for _ in range(150):
-        middle = (before + behind) / 2
-        if is_before(middle):
-            before = middle
-        else:
-            behind = middle
-    return before
-
-
 @cache
 def _first_slip_by_bisection() -> Any:
     """Return the same from the balance of forces, at the first change of its sign."""
@@ -511,132 +493,6 @@ def _velocity_change(shift: Any) -> Any:
     return delayed - at_once
 
 
-def _cycle() -> Items:
-    """Return the items on the stick-slip cycle without drive and damper."""
-    ratio = HALF * FREQUENCY / SPEED
-    turn = 2 * (sp.pi - sp.atan(ratio))
-    flight = named("x(\\tau)")
-    place = (
-        KINETIC / SPRING
-        + HALF * sp.cos(FREQUENCY * tau)
-        + SPEED / FREQUENCY * sp.sin(FREQUENCY * tau)
-    )
-    speed = place.diff(tau)
-    needed = named("-k x(\\tau_f)")
-    arriving = {needed: -SPRING * (KINETIC / SPRING - HALF), HOLDING: KINETIC + SPRING * HALF}
-    end = named(r"\dot{x}(\tau_f)")
-    there = named(r"x(\tau_f)")
-    lasts = named(r"\tau_f")
-    period = named(r"\mathcal{T}")
-    swing = named(r"R^2")
-    held = named(r"\tau_s")
-    example = {HALF: sp.Rational(1, 2), FREQUENCY: 1, SPEED: sp.Rational(1, 5)}
-    at_end = {tau: turn / FREQUENCY}
-    return (
-        r"\subsection{The stick-slip cycle in closed form}",
-        r"\begin{theorem}[stick-slip]\label{thm:static_friction-cycle} Let $c = A_0 = B_0 = 0$, $k "
-        r"> 0$, and let there be one belt with the speed $V > 0$, kinetic friction $f > 0$ and "
-        r"static friction $s > f$. With $a = (s - f)/k$ and $\omega_0 = \sqrt{k/m}$ every motion "
-        r"that sticks once repeats from its first slip on, with the flight",
-        equation(
-            flight,
-            place,
-            solves(
-                FREQUENCY**2 * KINETIC / SPRING, KINETIC / SPRING + HALF, SPEED, 0, FREQUENCY**2
-            ),
-            "flight",
-        ),
-        r"that lasts for",
-        equation(lasts, turn / FREQUENCY, _returns(speed), "flight-time"),
-        r"since its velocity and position are then",
-        equation(end, SPEED, exact({end: speed.subs(at_end)}, _trigonometry)),
-        equation(there, KINETIC / SPRING - HALF, exact({there: place.subs(at_end)}, _trigonometry)),
-        r"and with the stick and the period",
-        equation(held, 2 * HALF / SPEED, exact({held: _ride(SPEED)}), "ride"),
-        equation(
-            period,
-            2 * HALF / SPEED + turn / FREQUENCY,
-            exact({period: held + lasts, held: _ride(SPEED), lasts: turn / FREQUENCY}),
-            "period",
-        ),
-        r"The positions are between $f/k - R$ and $f/k + R$ with",
-        equation(
-            swing,
-            HALF**2 + SPEED**2 / FREQUENCY**2,
-            exact({swing: (place - KINETIC / SPRING) ** 2 + (speed / FREQUENCY) ** 2}, sp.simplify),
-            "swing",
-        ),
-        r"\end{theorem}",
-        r"\begin{proof} The spring pulls the mass back until it needs the force $-s$, at",
-        equation(
-            named("x"),
-            KINETIC / SPRING + HALF,
-            exact({named("x"): HOLDING / SPRING, HOLDING: KINETIC + SPRING * HALF}),
-        ),
-        r"so that the mass slips downward there: \eqref{eq:static_friction-flight}. A harmonic "
-        r"function takes a value twice in a turn, so $\tau_f$ is the first return. The needed force "
-        r"is then",
-        equation(needed, HOLDING - 2 * KINETIC, arriving, "arrival"),
-        step(needed, "<", HOLDING, sign(arriving)),
-        step(needed, ">", -HOLDING, sign(arriving)),
-        r"so the mass sticks, and rides to the place where it slipped.\end{proof}",
-        r"The stick lasts for $2(s - f)/(k V)$, not for $s/(k V)$, which is the first stick from a "
-        r"relaxed spring. For $m = k = 1$, $V = \frac{1}{5}$, $f = \frac{1}{2}$, $s = 1$",
-        decimal(
-            r"\mathcal{T}",
-            _evaluated((2 * HALF / SPEED + turn / FREQUENCY).subs(example)),
-            DECIMALS,
-            close(_simulated_period, DECIMALS),
-        ),
-        r"as a motion by \texttt{simulate} with 30 digits repeats.",
-    )
-
-
-def _trigonometry(expr: Any) -> Any:
-    """Return an expression with sines and cosines of 2(pi - atan q) in terms of q."""
-    return sp.simplify(sp.expand_trig(sp.expand(expr)))
-
-
-def _ride(speed: Any) -> Any:
-    """Return how long a belt takes from f/k - a to f/k + a."""
-    first, last = KINETIC / SPRING - HALF, KINETIC / SPRING + HALF
-    (time,) = sp.solve(first + speed * tau - last, tau)
-    return time
-
-
-def _returns(speed: Any) -> Check:
-    """Return the check that the velocity is V again after the time on the right, not before."""
-
-    def check(statement: Step) -> StepEvidence:
-        rest = _trigonometry(speed.subs(tau, statement.right) - SPEED)
-        if rest != 0:
-            raise StepError(str(statement), f"the velocity differs from V by {rest}")
-        turn = sp.simplify(statement.right * FREQUENCY)
-        for point in ({HALF: 2, FREQUENCY: 3, SPEED: 5}, {HALF: 7, FREQUENCY: 3, SPEED: 1}):
-            if not 0 < sp.N(turn.subs(point)) < sp.N(2 * sp.pi):
-                raise StepError(str(statement), "is not the first return")
-        return StepEvidence("exact", "0")
-
-    return check
-
-
-def _evaluated(expr: Any) -> Any:
-    """Return a number with the digits of the steps."""
-    return CONTEXT.mpf(sp.N(expr, 60)._to_mpmath(CONTEXT.prec))
-
-
-@cache
-def _simulated_period() -> Any:
-    """Return the time between two slips of a simulated motion."""
-    from symosc.model import Belt, Oscillator
-    from symosc.simulation.simulate import simulate
-
-    moving = Oscillator(m=1, c=0, k=1, belts=[Belt("1/5", "1/2", mu_s=1)])
-    events = simulate(moving, v0="1/5", t_end=16, digits=30).events
-    first, second = (event.t for event in events if event.kind == "slip")
-    return CONTEXT.mpmathify(second) - CONTEXT.mpmathify(first)
-
-
 def _what_remains() -> Items:
     """Return the items on the theorems that hold, and on those that fall."""
     y = named("y")
@@ -662,9 +518,9 @@ def _what_remains() -> Items:
         step(excess, "<=", HOLDING - KINETIC, sign({excess: HOLDING - less - KINETIC}), "excess"),
         r"while $\dot{y} > 0$: the work is at most $(s - f)|\dot{y}|$. The other cases are mirror "
         r"images, and belts add.\end{proof}",
-        r"\begin{example}[two attracting motions]\label{thm:static_friction-two} In "
-        r"Theorem~\ref{thm:static_friction-cycle} the position $x = f/k$ at rest is a motion too, "
-        r"since there",
+        r"\begin{example}[two attracting motions]\label{thm:static_friction-two} In the "
+        r"setting of Theorem~\ref{thm:stick_slip-cycle} the position $x = f/k$ at rest is a motion "
+        r"too, since there",
         equation(
             still,
             0,

@@ -1,0 +1,214 @@
+"""Branches of orbits under any friction law: their ends and events, against closed forms, roots of the
+oracle's, and orbits computed alone.
+"""
+
+from __future__ import annotations
+
+from math import cos, exp, pi, sin, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from law_orbits import DRIVEN, STICK_SLIP, TWO_BANDS, confirmed, driven
+from scipy.optimize import brentq
+
+import symosc
+from symosc import (
+    Belt,
+    BranchError,
+    ConvergenceError,
+    Oscillator,
+    ParameterError,
+    continue_orbit,
+    find_orbit,
+    plot,
+)
+from symosc.scenes import load_scene
+
+DAMPED = Oscillator(m=1, c="1/10", k=1, belts=[Belt("0.4", mu="1/2", mu_s=1)])
+#: Friction 1 at rest, falling to 1/2 at w = 1/2, and then by 1/20 up to w = 2.
+BROKEN = Oscillator(
+    m=1, c="0.1", k=1, belts=[Belt(1, curve=[(0, 1), ("1/2", "1/2"), (2, "0.45")], slope=0)]
+)
+
+
+@pytest.mark.slow
+def test_the_stick_slip_cycle_ends_where_the_slip_touches_the_belt() -> None:
+    """The belt speed at which it does has a closed form, here 0.549046312057936345..."""
+    branch = continue_orbit(DAMPED, "S1 B1", "v1", ("0.2", 1))
+    low, high = branch.ends
+    assert (low.kind, low.value) == ("end of the range", 0.2)
+    assert (high.kind, high.beyond) == ("grazing", None)
+    assert high.value == pytest.approx(0.54904631205793634574, abs=1e-10)
+    assert "arrives at belt 1" in high.message
+    assert "a rest at x = 0.5" in high.message
+    assert branch.stable.all()
+    assert branch.spans[0] == pytest.approx(find_orbit(DAMPED.replace(v1="0.2")).period, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_without_damping_the_branch_follows_the_closed_form() -> None:
+    branch = continue_orbit(STICK_SLIP, "S1 B1", "mu_s1", ("0.55", 2))
+    a = branch.values - 0.5
+    periods = 2 * a / 0.2 + 2 * pi - 2 * np.arctan(a / 0.2)
+    assert np.abs(branch.spans - periods).max() < 1e-11
+    t, x = branch.points[-1, branch.labels.index("B1")]
+    assert (t, x) == pytest.approx((0, 2), abs=1e-11)
+
+
+def slip_that_touches(c: float) -> float:
+    """Return the belt speed at which a slip under c touches the belt, from the closed form."""
+    h = c / 2
+    w = sqrt(1 - h * h)
+
+    def state(V: float, t: float) -> tuple[float, float]:
+        y = 0.5 - c * V  # x - f at the slip
+        b = (V + h * y) / w
+        e = exp(-h * t)
+        v = e * (V * cos(w * t) - (h * V + y) / w * sin(w * t))
+        return e * (y * cos(w * t) + b * sin(w * t)), v
+
+    def late(V: float) -> float:
+        """Return the largest velocity after the slip, less that of the belt."""
+        y = 0.5 - c * V
+        # v' = -(c v + y(t)) is 0 next to the end of a turn, where v is largest
+        times = np.linspace(3, 2 * pi / w, 40_001)
+        return max(state(V, t)[1] for t in times[20_000:]) - V if y else 0.0
+
+    return float(brentq(late, 0.2, 0.9, xtol=1e-9))
+
+
+@pytest.mark.campaign
+def test_the_end_over_damping_is_that_of_the_closed_form() -> None:
+    branch = continue_orbit(DAMPED, "S1 B1", "c", ("0.05", "0.3"))
+    assert slip_that_touches(branch.ends[1].value) == pytest.approx(0.4, abs=1e-6)
+
+
+@pytest.mark.campaign
+def test_an_unstable_cycle_between_its_birth_at_a_corner_and_the_belt() -> None:
+    """Everything is proportional to the distance of the corner from 0, until the belt is met."""
+    branch = continue_orbit(TWO_BANDS, None, "v1", (9, 16), (0, 1, 2))
+    low, high = branch.ends
+    assert (low.kind, high.kind) == ("onset at a corner", "grazing")
+    assert low.value == pytest.approx(9, abs=1e-9)
+    # v = 2.4836... (V - 9) reaches V
+    ratio = 2.483621185871505924630344
+    assert high.value == pytest.approx(9 * ratio / (ratio - 1), abs=1e-9)
+    assert not branch.stable.any()
+    assert np.abs(branch.spans - 6.303840144088753).max() < 1e-7
+    assert plot.branch_figure(branch).axes
+
+
+@pytest.mark.campaign
+def test_a_cycle_shrinks_to_a_rest_at_a_corner() -> None:
+    near = TWO_BANDS.replace(v1="9.2")
+    branch = continue_orbit(near, None, "v1", (9, "9.3"), (0, 0.2, 0.4))
+    assert [end.kind for end in branch.ends] == ["onset at a corner", "end of the range"]
+    assert branch.ends[0].value == pytest.approx(9, abs=1e-10)
+    assert not branch.stable.any()
+    assert plot.branch_figure(branch).axes
+    assert branch._repr_html_()
+
+
+@pytest.mark.campaign
+def test_the_unstable_and_the_stick_slip_cycle_of_falling_friction() -> None:
+    slip = continue_orbit(BROKEN, "S1 B1", "v1", ("0.6", 3))
+    between = continue_orbit(BROKEN, None, "v1", ("0.4", 3), (0, 1.2, 0))
+    assert slip.ends[1].beyond is None
+    assert between.ends[0].kind == "onset at a corner"
+    assert between.ends[0].value == pytest.approx(0.5, abs=1e-9)
+    assert between.ends[1].kind == "grazing"
+    # Both end where the cycle without a stick touches the belt: from both sides.
+    assert slip.ends[1].value == pytest.approx(between.ends[1].value, abs=1e-9)
+    assert slip.stable.all()
+    assert not between.stable.any()
+
+
+@pytest.mark.slow
+def test_a_period_doubling_is_located_and_both_sides_are_orbits() -> None:
+    branch = continue_orbit(driven("1"), "S1 B1", "mu_s1", ("0.9", "1.15"))
+    (place,) = branch.special
+    assert place.kind == "period doubling"
+    orbit = find_orbit(driven("1").replace(mu_s1=place.value), guess=place.start, periods=1)
+    assert min(abs(z + 1) for z in orbit.multipliers) < 1e-8
+    assert branch.stable[0]
+    assert not branch.stable[-1]
+    n = len(branch.values) - 1
+    assert confirmed(branch.orbit(n), 1e-10) > 1
+    assert branch.orbit(n, digits=20).digits == 20
+    doubled = find_orbit(driven("1").replace(mu_s1=place.value + 0.01))
+    assert (doubled.periods, doubled.stable) == (2, True)
+
+
+@pytest.mark.slow
+def test_each_point_of_a_branch_is_an_orbit() -> None:
+    branch = continue_orbit(driven("1"), "S1 B1", "Omega", ("1.1", 2))
+    for n in (0, len(branch.values) // 2, -1):
+        orbit = branch.orbit(n)
+        assert orbit.labels == branch.labels
+        assert float(orbit.period) == pytest.approx(branch.spans[n], abs=1e-12)
+        turn = float(orbit.period)
+        off = np.array(orbit.points) - branch.points[n]
+        off[:, 0] = (off[:, 0] + turn / 2) % turn - turn / 2
+        assert np.abs(off).max() < 1e-9
+    assert np.abs(np.diff(branch.values)).max() < 0.1
+
+
+@pytest.mark.campaign
+def test_a_slip_is_born_and_static_friction_leaves_no_orbit_near() -> None:
+    branch = continue_orbit(driven("0.98"), "S1 B1", "B0", ("0.5", "1.1"))
+    end = branch.ends[1]
+    assert end.kind == "birth of a slip"
+    assert "no orbit is near beyond" in end.message
+    last = branch.orbit(-1)
+    before = find_orbit(driven("0.98").replace(B0=end.value - 1e-7), guess=last)
+    assert before.word == "S1∘B1"
+    with pytest.raises(ConvergenceError):
+        find_orbit(driven("0.98").replace(B0=end.value + 1e-7), "S1 B1", last)
+
+
+@pytest.mark.campaign
+def test_a_contracting_law_ends_as_its_plain_branch_does() -> None:
+    """A curve with a slope next to none is, but for 1e-9, the law of the paper."""
+    plain = Oscillator(**DRIVEN, belts=[Belt("0.5", mu="0.2")])
+    curved = Oscillator(**DRIVEN, belts=[Belt("0.5", mu="0.2", slope="1e-12")])
+    word = find_orbit(plain).word
+    theirs = continue_orbit(plain, word, "v1", ("0.45", "1.5"))
+    own = continue_orbit(curved, word, "v1", ("0.45", "1.5"))
+    end, other = own.ends[1], theirs.ends[1]
+    assert (end.kind, end.beyond) == (other.kind, other.beyond)
+    assert end.value == pytest.approx(other.value, abs=1e-9)
+
+
+def test_branches_are_tables_and_pictures() -> None:
+    branch = continue_orbit(driven("1"), "S1 B1", "mu_s1", ("1", "1.1"), max_points=30)
+    assert plot.branch_figure(branch).axes
+    assert len(branch.to_pandas()) == len(branch.values)
+    assert branch.as_dict()["special"][0]["kind"] == "period doubling"
+    assert branch._repr_html_()
+    assert branch.parameters(0).numbers()["mu_s1"] == 1
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "part"),
+    [
+        (lambda: continue_orbit(DAMPED, None, "v2", (0, 1)), ParameterError, "must be one of"),
+        (lambda: continue_orbit(DAMPED, None, "v1", (1, 2)), ParameterError, "in between"),
+        (lambda: continue_orbit(load_scene("fig9").parameters, None, "c", (0, 2)), ParameterError,
+         "a word is required"),
+        (lambda: continue_orbit(BROKEN, None, "v1", (0.9, 1.1), find_orbit(BROKEN, x0="0.48")),
+         BranchError, "a rest at x"),
+        (lambda: symosc.continue_border(short_branch(), 1, "mu1", (0, 1)), ParameterError, "static"),
+        (lambda: symosc.certify(short_branch()), ParameterError, "static friction of belt 1"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_in_one_line(call: Any, error: Any, part: str) -> None:
+    with pytest.raises(error) as refused:
+        call()
+    assert part in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def short_branch() -> Any:
+    """Return a short branch under static friction."""
+    return continue_orbit(DAMPED, "S1 B1", "v1", ("0.39", "0.41"))
