@@ -41,6 +41,8 @@ PRINTED = (
     ("falling_friction", "V Veraszto and Stepan, n = 1024", "0.1906"),
     ("falling_friction", "V from both", "1.8366"),
     ("bossolini_brons_kristiansen", "x there", "-0.045073564710"),
+    ("stender_hoffmann", "share V = 1.5", "0.31"),
+    ("stender_hoffmann", "share V = 1.775", "0.558"),
 )
 #: The abstract of Hong and Liu (2000) names these numbers of stops per cycle.
 COUNTS = {0, *range(2, 15, 2)}
