@@ -23,19 +23,16 @@ from symosc import Parameters, find_orbit, simulate
 from symosc.reference.cases import wall
 
 FOLDER = Path(__file__).parents[1] / "docs" / "literature"
-#: The scripts take a second to a minute: those of a second are run here, and as slow tests those of
-#: some seconds. The build of the site runs them all, and `test_site.py` reads what they print.
+#: The scripts take a second to a minute; those of a second are run here. The build of the site runs
+#: them all, and `test_site.py` reads what they print.
 SCRIPTS = sorted(path.stem for path in FOLDER.glob("*.py") if path.stem not in ("wall", "figures"))
 QUICK = ("feeny_liang", "andronov_vitt_khaikin", "bossolini_brons_kristiansen", "pulled_spring")
-SOME_SECONDS = ("csernak_licsko", "iklodi_dombovari", "leine")
 
 
 def pace_of(name: str) -> Any:
     """Return a script as a parameter, marked unless it is quick."""
     if name in QUICK:
         return name
-    if name in SOME_SECONDS:
-        return pytest.param(name, marks=pytest.mark.slow)
     return pytest.param(name, marks=pytest.mark.campaign)
 
 

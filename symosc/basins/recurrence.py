@@ -47,6 +47,9 @@ SHRINKING = (4, 16, 64, 256)
 SHRINKS = 0.5
 #: How far neighbours may move away in between, as a multiple of their distance.
 FARTHEST = 100.0
+#: Candidates that are no attractors, of motions that are followed together, before further ones
+#: wait until the motions have gone on.
+MOST_FAILED = 12
 #: Steps of Newton's method, and the step of its difference quotients as a part of the extent.
 NEWTON_STEPS = 4
 DIFFERENCE = 1e-6
@@ -150,7 +153,7 @@ class DrivenMotions:
             followed = self.follow(now, periods + begins, periods)
             done += periods
             points = followed.section
-            rests = followed.status == "equilibrium"
+            rests = (followed.status == "equilibrium") | self._held(points[:, -1])
             if rests.any():
                 numbers[waiting[rests]] = self._number_of_rest()
             going = (followed.status == "t_end") & np.isfinite(points).all(axis=(1, 2))
@@ -164,6 +167,14 @@ class DrivenMotions:
         if len(waiting):
             numbers[waiting] = self._chaotic(points)
         return numbers
+
+    def _held(self, points: np.ndarray) -> np.ndarray:
+        """Return which section points are rests on a belt: what is held once is held for ever."""
+        if self.rest is None or not self.rest.belt:
+            return np.zeros(len(points), dtype=bool)
+        x, v = points.T
+        held: np.ndarray = (v == 0.0) & (x >= self.rest.low) & (x <= self.rest.high)
+        return held
 
     def _number_of_rest(self) -> int:
         """Return the number of the rest among the attractors."""
@@ -186,7 +197,8 @@ class DrivenMotions:
                 numbers[(numbers < 0) & self._near(points, attractor)] = n
         repeats = self._repeats(points)
         candidates = np.flatnonzero((numbers < 0) & (repeats > 0))
-        while len(candidates):
+        failed = 0
+        while len(candidates) and failed < MOST_FAILED:
             i = int(candidates[0])
             q = int(repeats[i])
             candidates = candidates[1:]
@@ -200,6 +212,7 @@ class DrivenMotions:
                 candidates = candidates[~between]
                 continue
             if candidate is None:
+                failed += 1
                 # others beside it fail as it does
                 same = self.distances(points[candidates, -1], points[i, -1]) < SAME
                 candidates = candidates[~same]

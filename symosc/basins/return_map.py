@@ -32,7 +32,7 @@ from symosc.base.arguments import (
 from symosc.base.arrays import real_array
 from symosc.base.display.drawable import Comparable, Drawable
 from symosc.base.errors import ParameterError
-from symosc.base.exact import read_exact, whole_number
+from symosc.base.exact import LARGEST, read_exact, whole_number
 from symosc.basins.kinds import oscillator_of
 from symosc.basins.plane import ACCURACY, PhasePlane, require_spring
 from symosc.basins.recurrence import units_of
@@ -68,6 +68,7 @@ APART = 1e-11
 STEP = 1e-6
 MOST_POINTS = 1_000_000
 LEAST_POINTS = 8
+MOST_RETURNS = 100_000
 #: Parts of an orbit whose means tell the error of an exponent.
 PARTS = 16
 
@@ -186,7 +187,9 @@ class ReturnMap(Comparable, Drawable):
         require(*ARRAY_LIKE, at=at)
         require(WHOLE, n=n)
         places = real_array("at", at, "must be real numbers")
-        count = whole_number("n", n, 1)
+        if np.abs(places).max(initial=0.0) > LARGEST:
+            raise ParameterError("at", at, f"must be at most {float(LARGEST):g} in size")
+        count = whole_number("n", n, 1, MOST_RETURNS)
         return self._map.sample(places.ravel(), count).after.reshape(places.shape)
 
     @public
@@ -202,7 +205,7 @@ class ReturnMap(Comparable, Drawable):
         True
         """
         require(WHOLE, n=n)
-        count = whole_number("n", n, 1)
+        count = whole_number("n", n, 1, MOST_RETURNS)
         if count == 1:
             sampled = Sampled(self.after, self.span, self._kinds)
         else:
@@ -263,7 +266,8 @@ class ReturnMap(Comparable, Drawable):
         """Return `at` and its n images, fewer if the mass does not return."""
         require(NUMBER, at=at)
         require(WHOLE, n=n)
-        return self._map.orbit(float(read_exact("at", at)), whole_number("n", n, 1))
+        count = whole_number("n", n, 1, MOST_RETURNS)
+        return self._map.orbit(float(read_exact("at", at)), count)
 
     @public
     def exponent(self, at: NumberLike, n: int = 1000, skip: int = 100) -> tuple[float, float]:
@@ -281,7 +285,9 @@ class ReturnMap(Comparable, Drawable):
         """
         require(NUMBER, at=at)
         require(WHOLE, n=n, skip=skip)
-        path = self.orbit(at, n + skip)[skip:-1]
+        count = whole_number("n", n, 1, MOST_RETURNS)
+        left_out = whole_number("skip", skip, 0, MOST_RETURNS)
+        path = self._map.orbit(float(read_exact("at", at)), count + left_out)[left_out:-1]
         sizes = np.abs(self.slopes(path))
         sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
         if len(sizes) < 2 * PARTS:

@@ -38,6 +38,7 @@ COMMANDS = {
     "cases": "check",
     "score": "check",
     "atlas": "atlas",
+    "attractors": "attractors",
     "certify": "certify",
     "verify": "certify",
     "derive": "derive",

@@ -253,7 +253,7 @@ def return_map_figure(
     >>> from symosc import Belt, Oscillator, plot, return_map
     >>> law = Oscillator(m=1, c="0.1", k=1, belts=[Belt("1/2", mu="1/2", mu_s=1)])
     >>> [axes.get_xlabel() for axes in plot.return_map_figure(return_map(law, points=33)).axes]
-    ['$x$ where $\\dot{x}$ falls through 0']
+    ['$x$ where $\\\\dot{x}$ falls through 0']
     """
     require(ReturnMap, found=found)
     require_or_none(NUMBER, start=start)

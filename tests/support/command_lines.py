@@ -51,6 +51,7 @@ check run.csv --case paper-fig5 --partial
 cases --group easy --json
 score nowhere run.csv
 atlas fig9 --over Omega=3.9:4.1 --over FN=9.5:10.5 --seconds 1 --workers 1
+attractors fig9 --over x0=-1:1:2 --over v0=-1:1:2 --t-end 80T
 certify fig6 --t-end 2 -o proof.json
 certify fig9 --window P2
 certify fig6 --t-end 2 --wrt mu1,x0

@@ -25,6 +25,7 @@ from symosc import load_scene, plot
 
 P5 = load_scene("fig5").parameters
 P9 = load_scene("fig9").parameters
+FREE = symosc.Oscillator(m=1, c="0.1", k=1, belts=[symosc.Belt("1/2", mu="1/2", mu_s=1)])
 
 
 class Broken:
@@ -196,6 +197,10 @@ VALID: dict[str, set[str]] = {
     **_each("Scene start_error, simulate_many skip", NUMBER | {"array_0"}),
     **_each("theorem7 gamma, theorem7 amplitude", NUMBER | {"symbol"}),
     **_each("fit sigma, values_containing theta", NUMBER | {"[1,2]"}),
+    **_each("ReturnMap.orbit at, ReturnMap.exponent at, plot.return_map_figure start", NUMBER),
+    "ReturnMap.__call__ at": NUMBER | ROWS | {"mpf_tiny", "fraction_long"},
+    "ReturnMap.exponent skip": {"0", "3", "array_0_whole"},
+    "return_map over": PAIRS,
     "accuracy": NUMBER | {"inf"},
     "ParameterValues.__contains__ value": NUMBER | {"oo"},
     "solve_map theta_i": NUMBER | {"mpf_tiny", "fraction_long"},
@@ -330,6 +335,8 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "border": lambda: symosc.continue_border(made("ended branch"), 0, "FN", (9, 11), step="0.1"),
     "window": lambda: symosc.grazing_window(P9, "P2"),
     "atlas": lambda: symosc.atlas(P9, {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1),
+    "return map": lambda: symosc.return_map(FREE, points=9),
+    "bifurcation": lambda: symosc.bifurcation(FREE, {"v1": [0.4, 0.5]}),
     "curve": lambda: symosc.grazing_curve(P9, "P2", n=50),
     "samples": _samples,
     "fit": lambda: symosc.fit("fig5", [(0.1223, "stick"), (1.221, "slip")], "mu1", sigma=1e-3),
@@ -548,6 +555,11 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "plot.branch_figure": (plot.branch_figure, {"branch": m("branch"), "panels": "a"}),
         "plot.basin_figure": (plot.basin_figure, {"dataset": m("basins")}),
         "plot.bifurcation_figure": (plot.bifurcation_figure, {"dataset": m("line")}),
+        "plot.attractors_figure": (plot.attractors_figure, {"found": m("attractors")}),
+        "ReturnMap.__call__": (m("return map").__call__, {"at": 1.0}),
+        "ReturnMap.fixed_points": (m("return map").fixed_points, {}),
+        "ReturnMap.orbit": (m("return map").orbit, {"at": 1.0, "n": 3}),
+        "ReturnMap.exponent": (m("return map").exponent, {"at": 1.0, "n": 3, "skip": 1}),
         "plot.curve_figure": (plot.curve_figure, {"dataset": m("line"), "name": "events"}),
         "plot.map_figure": (plot.map_figure, {"dataset": m("dataset")}),
         "plot.swept_figure": (plot.swept_figure, {"dataset": m("dataset")}),
