@@ -244,7 +244,7 @@ class ReturnMap(Comparable, Drawable):
         if not len(places):
             return
         here = self._map.sample(places, n)
-        slopes = self.slopes(places, n)
+        slopes = self._slopes(places, n)
         gaps = np.abs(self._map.difference(here.after, places))
         last = -inf
         for at, slope, span, gap in zip(places, slopes, here.span, gaps, strict=True):
@@ -252,7 +252,7 @@ class ReturnMap(Comparable, Drawable):
                 yield FixedPoint(float(at), float(slope), float(span))
                 last = at
 
-    def slopes(self, at: np.ndarray, n: int = 1) -> np.ndarray:
+    def _slopes(self, at: np.ndarray, n: int = 1) -> np.ndarray:
         """Return the slopes of the n-th iterate, by differences; NaN beside a jump."""
         step = STEP * self._map.width
         count = len(at)
@@ -288,7 +288,7 @@ class ReturnMap(Comparable, Drawable):
         count = whole_number("n", n, 1, MOST_RETURNS)
         left_out = whole_number("skip", skip, 0, MOST_RETURNS)
         path = self._map.orbit(float(read_exact("at", at)), count + left_out)[left_out:-1]
-        sizes = np.abs(self.slopes(path))
+        sizes = np.abs(self._slopes(path))
         sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
         if len(sizes) < 2 * PARTS:
             return nan, nan

@@ -13,7 +13,7 @@ import numpy as np
 from symosc.base.errors import SymoscError
 from symosc.orbits.admissibility import Condition
 from symosc.orbits.closing_equations import ConvergenceError
-from symosc.orbits.law_curve import LawCurveEnd, CurvePoint, LawCurve
+from symosc.orbits.law_curve import CurvePoint, LawCurve, LawCurveEnd
 from symosc.orbits.law_margins import margins
 from symosc.orbits.settling import settled_orbit_of
 from symosc.orbits.shooting import orbit_near

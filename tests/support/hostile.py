@@ -466,7 +466,6 @@ def functions() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "sweep": (s.sweep, swept),
         "sweep_status": (s.sweep_status, swept | {"path": "nowhere.nc"}),
         "plot.figure": (plot.figure, {"subject": "fig6", "t_end": 2, "panels": "a"}),
-        "plot.attractors_figure": (plot.attractors_figure, {"found": made("attractors")}),
         "plot.sweep_figure": (
             plot.sweep_figure,
             grazes | {"name": "Omega", "low": "0.1", "high": 4},
@@ -556,6 +555,7 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "plot.basin_figure": (plot.basin_figure, {"dataset": m("basins")}),
         "plot.bifurcation_figure": (plot.bifurcation_figure, {"dataset": m("line")}),
         "plot.attractors_figure": (plot.attractors_figure, {"found": m("attractors")}),
+        "plot.return_map_figure": (plot.return_map_figure, {"found": m("return map"), "start": 1}),
         "ReturnMap.__call__": (m("return map").__call__, {"at": 1.0}),
         "ReturnMap.fixed_points": (m("return map").fixed_points, {}),
         "ReturnMap.orbit": (m("return map").orbit, {"at": 1.0, "n": 3}),
