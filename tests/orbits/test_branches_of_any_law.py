@@ -110,20 +110,6 @@ def test_a_cycle_shrinks_to_a_rest_at_a_corner() -> None:
     assert branch._repr_html_()
 
 
-@pytest.mark.campaign
-def test_the_unstable_and_the_stick_slip_cycle_of_falling_friction() -> None:
-    slip = continue_orbit(BROKEN, "S1 B1", "v1", ("0.6", 3))
-    between = continue_orbit(BROKEN, None, "v1", ("0.4", 3), (0, 1.2, 0))
-    assert slip.ends[1].beyond is None
-    assert between.ends[0].kind == "onset at a corner"
-    assert between.ends[0].value == pytest.approx(0.5, abs=1e-9)
-    assert between.ends[1].kind == "grazing"
-    # Both end where the cycle without a stick touches the belt: from both sides.
-    assert slip.ends[1].value == pytest.approx(between.ends[1].value, abs=1e-9)
-    assert slip.stable.all()
-    assert not between.stable.any()
-
-
 @pytest.mark.slow
 def test_a_period_doubling_is_located_and_both_sides_are_orbits() -> None:
     branch = continue_orbit(driven("1"), "S1 B1", "mu_s1", ("0.9", "1.15"))
