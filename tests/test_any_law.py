@@ -136,7 +136,7 @@ def test_one_belt_has_events_at_that_belt_alone() -> None:
 
 #: Commands that cannot follow static friction.
 REFUSING = (
-    "certify {} -o proof.json", "grazing {}", "explore {} --no-browser",
+    "certify {} -o proof.json", "grazing {}",
     "atlas {} --over Omega=3:5 --over FN=1:2",
 )  # fmt: skip
 FOLLOWING = (

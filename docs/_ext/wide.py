@@ -1,9 +1,12 @@
 """Literal blocks with lines too long for the column of a page: smaller letters or, if these do not do, broken lines.
 
-What is wide gets a class, by its longest line; `symosc.css` has the sizes of the letters.
+What is wide gets a class, by its longest line; `symosc.css` has the sizes of the letters. A table keeps its
+columns, and scrolls.
 """
 
 from __future__ import annotations
+
+import re
 
 from docutils import nodes
 from sphinx.application import Sphinx
@@ -13,18 +16,21 @@ from sphinx.application import Sphinx
 USUAL = 100
 SMALL = 122
 INDENT = 5
+#: The line below the heads of a table.
+RULE = re.compile(r"^ *-+(?: +-+)+ *$", re.MULTILINE)
 
 
 def mark_wide_blocks(app: Sphinx, tree: nodes.document, name: str) -> None:
     """Give each literal block that is too wide the class `small-print` or `broken-lines`."""
     for block in tree.findall(nodes.literal_block):
-        longest = max(map(len, block.astext().expandtabs().splitlines()), default=0)
+        text = block.astext().expandtabs()
+        longest = max(map(len, text.splitlines()), default=0)
         parent = block.parent
         while parent is not None:
             if parent.tagname in ("list_item", "desc_content", "details", "admonition"):
                 longest += INDENT
             parent = parent.parent
-        if longest > SMALL:
+        if longest > SMALL and not RULE.search(text):
             block["classes"].append("broken-lines")
         elif longest > USUAL:
             block["classes"].append("small-print")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import pi
 from typing import Any, TypeAlias
 
@@ -19,8 +19,9 @@ from symosc.base.quantities import forcing_periods, quantity_of, read_number
 from symosc.basins.kinds import Chaotic, ObservedCycle, Rest
 from symosc.basins.plane import Limit, PhasePlane, require_spring
 from symosc.basins.recurrence import DrivenMotions, Recurrent
+from symosc.basins.return_map import LEAST_POINTS, return_map
 from symosc.basins.starts import ReadStarts, read_starts
-from symosc.model import Model
+from symosc.model import Model, Oscillator
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.orbits.shooting import orbit_near
@@ -32,6 +33,8 @@ from symosc.words import Word
 #: Forcing periods for which a motion is followed at most, unless the caller says so.
 USUAL_PERIODS = 1000
 MOST_PERIODS = 10**6
+#: Slips over which the exponent of the map of slips is computed.
+SLIPS = 12_000
 #: Times at which an orbit is compared with the state beside which it was looked for, half as many,
 #: and how near it must come, as a part of its extent.
 ORBIT_SAMPLES = 512
@@ -246,6 +249,8 @@ def _orbit_of_limit(plane: PhasePlane, limit: Limit) -> Attractor:
 
 def _orbit_of(motions: DrivenMotions, attractor: Recurrent | Rest | Chaotic) -> Attractor:
     """Return the attractor of motions with a drive."""
+    if isinstance(attractor, Chaotic):
+        return _with_slips(motions.model, attractor)
     if not isinstance(attractor, Recurrent):
         return attractor
     q = attractor.periods
@@ -255,6 +260,23 @@ def _orbit_of(motions: DrivenMotions, attractor: Recurrent | Rest | Chaotic) -> 
         return orbit
     period = 2 * pi * q / float(motions.model.Omega)
     return ObservedCycle(attractor.points, period, q, attractor.word)
+
+
+def _with_slips(model: Oscillator, chaos: Chaotic) -> Chaotic:
+    """Return chaos with its exponent per slip from the map of slips, where one belt has friction:
+    this map is quicker than derivatives of motions, and followed for longer.
+    """
+    law = model.law
+    belts = [n for n in law.boundaries if law.kinetic(n) or law.excess(n)]
+    if len(belts) != 1 or not np.isfinite(chaos.per_slip):
+        return chaos
+    x, v = chaos.points[-1].tolist()
+    events = simulate(model, x0=x, v0=v, t_end="20T").events
+    phases = [event.theta for event in events if event.kind == "slip"]
+    if not phases:
+        return chaos
+    exponent, _ = return_map(model, points=LEAST_POINTS).exponent(phases[0], n=SLIPS, skip=0)
+    return replace(chaos, per_slip=exponent if np.isfinite(exponent) else chaos.per_slip)
 
 
 def _closed(model: Model, x: float, v: float, periods: int | None) -> PeriodicOrbit | None:

@@ -13,7 +13,7 @@ import numpy as np
 from symosc.base.errors import SymoscError
 from symosc.orbits.admissibility import Condition
 from symosc.orbits.closing_equations import ConvergenceError
-from symosc.orbits.law_curve import CurveEnd, CurvePoint, LawCurve
+from symosc.orbits.law_curve import LawCurveEnd, CurvePoint, LawCurve
 from symosc.orbits.law_margins import margins
 from symosc.orbits.settling import settled_orbit_of
 from symosc.orbits.shooting import orbit_near
@@ -38,7 +38,7 @@ class LawEnd(NamedTuple):
     beyond: str | None
 
 
-def end_of(curve: LawCurve, points: list[CurvePoint], end: CurveEnd) -> LawEnd:
+def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEnd:
     """Return the end of a branch with what happens there."""
     name = curve.parameter
     if end.why == "range":

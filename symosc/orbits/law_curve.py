@@ -88,7 +88,7 @@ class CurveEvent(NamedTuple):
     point: CurvePoint
 
 
-class CurveEnd(NamedTuple):
+class LawCurveEnd(NamedTuple):
     """Why the curve ends: "range", "lost", "shrunk", "closed" or "most", at a value of the
     parameter.
     """
@@ -332,11 +332,11 @@ class LawCurve:
 
     def follow(
         self, direction: float, most: int, advance: Advance = None
-    ) -> tuple[list[CurvePoint], list[CurveEvent], CurveEnd]:
+    ) -> tuple[list[CurvePoint], list[CurveEvent], LawCurveEnd]:
         """Follow the curve in a direction of the parameter; return its points, events and end."""
         point = self.begin(direction)
         if point is None:
-            return [], [], CurveEnd("lost", self.value)
+            return [], [], LawCurveEnd("lost", self.value)
         points = [point]
         events = list[CurveEvent]()
         step = FIRST_STEP
@@ -371,17 +371,17 @@ class LawCurve:
                     retried += 1
                     bad = inf
                     continue
-                return points, events, CurveEnd("lost", points[-1].value)
+                return points, events, LawCurveEnd("lost", points[-1].value)
             if not self.low <= later.value <= self.high:
                 last = self.at_limit(point, later)
                 if last is not None:
                     events += self.events_between(point, last)
                     points.append(last)
-                    return points, events, CurveEnd("range", last.value)
+                    return points, events, LawCurveEnd("range", last.value)
                 bad = trial
                 step = trial / 2
                 if trial <= RESOLUTION:
-                    return points, events, CurveEnd("lost", point.value)
+                    return points, events, LawCurveEnd("lost", point.value)
                 continue
             if trial > NO_GAP and self.may_have_gap([*points[-2:], later]):
                 step = trial / 2
@@ -396,10 +396,10 @@ class LawCurve:
             if advance:
                 advance(abs(later.value - self.value) / (self.high - self.low), len(points))
             if self.extent(later) < SHRUNK * first_extent:
-                return points, events, CurveEnd("shrunk", self.shrunk_value(points))
+                return points, events, LawCurveEnd("shrunk", self.shrunk_value(points))
             if self.is_closed(points):
-                return points, events, CurveEnd("closed", later.value)
-        return points, events, CurveEnd("most", points[-1].value)
+                return points, events, LawCurveEnd("closed", later.value)
+        return points, events, LawCurveEnd("most", points[-1].value)
 
     def may_have_gap(self, points: list[CurvePoint]) -> bool:
         """Return whether a margin of the orbits, a parabola through three points of the curve, is
