@@ -16,7 +16,7 @@ from typing import Any
 
 from wall import MP, Row, free, number, show
 
-from symosc import Belt, Oscillator, simulate
+from symosc import Belt, Oscillator, continue_orbit, find_orbit, simulate
 
 #: m, k, V, f, s.
 SETS = (
@@ -81,7 +81,7 @@ def meets_belt(V: Fraction) -> bool:
 
 
 def end_of_cycle() -> Iterator[Row]:
-    """Where the cycle ends, m = k = 1, c = 1/10, f = 1/2, s = 1; run: bisection of motions."""
+    """Where the cycle ends, m = k = 1, c = 1/10, f = 1/2, s = 1; run: bisection, continue_orbit."""
     with_cycle, without = ENCLOSED
     while without - with_cycle > Fraction(1, 10**13):
         middle = (with_cycle + without) / 2
@@ -91,6 +91,11 @@ def end_of_cycle() -> Iterator[Row]:
             without = middle
     speed, time = graze()
     yield Row("V", "", speed, with_cycle, note=f"the slip lasts {MP.nstr(time, 13)}")
+    belt = Belt(ENCLOSED[0], mu=KINETIC, mu_s=STATIC)
+    model = Oscillator(m=1, c=DAMPING, k=1, belts=[belt])
+    cycle = find_orbit(model, v0=belt.v)
+    _, end = continue_orbit(model, None, "v1", ENCLOSED, cycle).ends
+    yield Row("V", "end of a branch", speed, end.value, note=end.kind)
 
 
 if __name__ == "__main__":
