@@ -112,6 +112,18 @@ def test_a_branch_and_its_ends_have_such_words() -> None:
     refused(lambda: symosc.continue_orbit(CROSSING, "A1 B1", "v2", (1, 2)), "parameter")
 
 
+def test_a_branch_goes_on_where_the_reach_of_the_mass_is_a_power_of_ten() -> None:
+    """B0/Omega + mu FN/Omega + v1 = 1 at v1 = 3/7: a belt out of reach leaps from there."""
+    belt = symosc.Belt("1/2", mu="1/5")
+    law = symosc.Oscillator(m=1, c="1/20", k=1, B0="3/5", Omega="7/5", belts=[belt])
+    branch = symosc.continue_orbit(law, "B1 A1", "v1", ("1/10", "3/5"))
+    assert [end.kind for end in branch.ends] == ["end of the range", "end of the range"]
+    end = find_orbit(law.replace(v1="1/10"))
+    assert end.word == branch.word
+    positions = sorted(x for _, x in branch.ends[0].points)
+    assert positions == pytest.approx(sorted(x for _, x in end.points), abs=1e-9)
+
+
 def test_an_orbit_of_one_belt_is_proven() -> None:
     pytest.importorskip("flint")
     assert symosc.certify(find_orbit(STICKING)).proven

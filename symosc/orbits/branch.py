@@ -43,6 +43,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from math import pi
 from typing import Any, NamedTuple
 
@@ -682,6 +683,19 @@ class Curve:
         # The points together weigh as much as the parameter.
         self.scale = np.append(np.tile([size, 1.0], n) * np.sqrt(n), high - low)
         self._equations: dict[float, ClosingEquations] = {}
+        self._far = self._out_of_reach()
+
+    def _out_of_reach(self) -> Fraction | None:
+        """Return the speed of a second belt that no orbit of the branch meets; None if the
+        oscillator has two.
+
+        `Model.parameters` takes it farther away by leaps, which no curve can follow.
+        """
+        p = self.orbit.parameters
+        if len(p.law.belts) > 1:
+            return None
+        values = self.low, self.value, self.high
+        return max(p.replace(**{self.parameter: value}).parameters.v2 for value in values)
 
     # -- one point ---------------------------------------------------------------------------------
 
@@ -690,10 +704,11 @@ class Curve:
         if value not in self._equations:
             while len(self._equations) >= MOST_KEPT:  # the oldest goes
                 del self._equations[next(iter(self._equations))]
-            parameters = self.orbit.parameters.replace(**{self.parameter: value})
-            self._equations[value] = ClosingEquations(
-                parameters.parameters, self.word, self.orbit.periods
-            )
+            model = self.orbit.parameters.replace(**{self.parameter: value})
+            parameters = model.parameters
+            if self._far is not None:
+                parameters = parameters.replace(v2=self._far)
+            self._equations[value] = ClosingEquations(parameters, self.word, self.orbit.periods)
         return self._equations[value]
 
     def split(self, z: np.ndarray) -> tuple[np.ndarray, float]:
