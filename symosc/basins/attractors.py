@@ -285,9 +285,11 @@ def _closed(model: Model, x: float, v: float, periods: int | None) -> PeriodicOr
         orbit = orbit_near(model, 0, x, v, periods)
     except ConvergenceError:
         return None
+    if orbit.is_rest:
+        return None
     times = np.linspace(0.0, float(orbit.period), 2 * ORBIT_SAMPLES, endpoint=False)
     away = np.abs(orbit(times) - np.array([[x], [v]])) / np.ptp(orbit(times), axis=1)[:, None]
-    if orbit.is_rest or away.max(axis=0).min() > BESIDE:
+    if away.max(axis=0).min() > BESIDE:
         return None
     return orbit
 

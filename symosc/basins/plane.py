@@ -57,6 +57,8 @@ SAME = 1e-9
 STILL = 1e-11
 #: A limit is known when its distance is estimated to be less than this part of the largest point.
 NEAR = 1e-7
+#: The limit is the rest if its estimated distance differs from the rest's by less than this part.
+BESIDE_REST = 1e-2
 #: Neighbours of a limit that show whether it attracts, as parts of the largest section point.
 BESIDE = (1e-3, 1e-5)
 #: Where long motions show neither an attractor nor a rest, so many more points between them are
@@ -268,6 +270,8 @@ class PhasePlane:
         left = step * ratio / (1.0 - ratio)
         if abs(left) > NEAR * size:
             return None
+        if abs(beyond + left) <= BESIDE_REST * beyond:
+            return AT_REST
         return Limit("cycle", third + left)
 
     def _confirmed(self, limit: Limit) -> Limit:

@@ -58,6 +58,12 @@ LAWS: dict[str, Oscillator] = {
         m=1, c="0.02", k=1, A0="0.3",
         belts=[Belt("-1.2", mu="0.4", mu_s=1), Belt(0, mu="0.05", mu_s="0.1"), Belt(1, mu="0.2")],
     ),
+    # The damping is -0.007 above the speed 0 and 0.083 below it.
+    "rest on a corner": Oscillator(
+        m=1, c="0.1", k=1, belts=[Belt(
+            "3/2", curve=[(0, 1), (".3", ".77"), (".8", ".6"), ("1.5", ".525"), (3, ".5")]
+        )],
+    ),
     "backward": Oscillator(m=1, c=0, k=2, belts=[Belt("-0.1", mu="0.5", mu_s="0.8")]),
 }  # fmt: skip
 
@@ -83,6 +89,14 @@ def test_basins_are_those_of_long_motions(name: str) -> None:
         assert cycles != found.orbits[found.basin[i]].is_rest
         checked += 1
     assert checked >= 3
+
+
+@pytest.mark.compiled("doubles")
+def test_a_rest_on_a_corner_is_one_attractor() -> None:
+    """Around it motions shrink by the same factor in each turn, however near they are."""
+    found = attractors(LAWS["rest on a corner"], random_starts(5, 300, (-2, 0), (2, 2)))
+    assert sorted(found.names) == ["cycle", "rest"]
+    assert found.undecided == 0
 
 
 @pytest.mark.compiled("doubles")
