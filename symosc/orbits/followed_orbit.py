@@ -503,8 +503,8 @@ def _message(periods: int, period: Number, stable: bool | None, gap: float, near
         message = f"{kind} orbit of {counted_periods(periods)}, largest |multiplier| {shown}"
     else:
         message = (
-            f"{kind} limit cycle of period {float(period):.6g}, |multiplier| {shown} beside the 1 "
-            "of its phase"
+            f"{kind} limit cycle of period {float(period):.6g}, |multipliers| 1 (of its phase) and "
+            f"{shown}"
         )
     if stable is None:
         message += " (no neighbour need come nearer)"

@@ -60,7 +60,7 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
         message = "no orbit with the word is found beyond"
         return LawEnd("no convergence", end.value, message, tuple(found[:1]), beyond)
     first = min(vanished, key=lambda margin: margin.value / margin.scale)
-    message = f"{first.text} no longer, at t = {first.t:.6g}"
+    message = f"the condition '{first.text}' fails at t = {first.t:.6g}"
     kind = first.event
     if not near:
         message += "; no orbit is near beyond"

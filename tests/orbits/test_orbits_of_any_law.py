@@ -49,7 +49,7 @@ def test_the_stick_slip_cycle_has_the_period_of_its_closed_form() -> None:
     assert (cycle.word, cycle.stable, cycle.is_rest) == ("S1∘B1", True, False)
     assert cycle.multipliers == (1, 0)
     assert cycle.lyapunov.tolist() == [0.0, -inf]
-    assert "1 of its phase" in cycle.message
+    assert "1 (of its phase)" in cycle.message
     digits = find_orbit(STICK_SLIP, "S1 B1", digits=30)
     with mpmath.workdps(35):
         exact = 5 + 2 * mpmath.pi - 2 * mpmath.atan(mpmath.mpf(5) / 2)
