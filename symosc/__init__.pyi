@@ -80,6 +80,7 @@ from .orbits.branch import BranchSpecial as BranchSpecial
 from .orbits.branch import continue_orbit as continue_orbit
 from .orbits.closing_equations import ConvergenceError as ConvergenceError
 from .orbits.find import find_orbit as find_orbit
+from .orbits.followed_orbit import FollowedOrbit as FollowedOrbit
 from .orbits.periodic_orbit import Approach as Approach
 from .orbits.periodic_orbit import OrbitSensitivities as OrbitSensitivities
 from .orbits.periodic_orbit import PeriodicOrbit as PeriodicOrbit

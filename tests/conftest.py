@@ -196,7 +196,7 @@ def report() -> Path:
             result = subprocess.run(command, capture_output=True, text=True, check=False)
             assert result.returncode == 0, result.stdout
             (said,) = result.stderr.splitlines()
-            assert said.startswith("reproduce judges "), result.stderr
+            assert said.startswith("symosc: reproduce judges "), result.stderr
     return folder
 
 

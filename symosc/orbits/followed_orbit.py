@@ -72,11 +72,21 @@ class FollowedOrbit(PeriodicOrbit):
         A state on the orbit, in a flight.
     motion : Trajectory or None
         The motion from there over one period; None for a rest.
+
+    Examples
+    --------
+    >>> from symosc import Belt, Oscillator, find_orbit
+    >>> law = Oscillator(m=1, c="1/10", k=1, belts=[Belt("1/5", mu="1/2", mu_s=1)])
+    >>> cycle = find_orbit(law)
+    >>> type(cycle).__name__, cycle.stable, cycle.periods, cycle.is_rest
+    ('FollowedOrbit', True, 0, False)
+    >>> f"{cycle.period:.6f}", f"{cycle.motion.t_end - cycle.motion.t_start:.6f}"
+    ('8.383797', '8.383797')
     """
 
     start: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
     motion: Trajectory | None = field(default=None, compare=False)
-    section: SpeedSection | None = field(default=None, compare=False)
+    _section: SpeedSection | None = field(default=None, compare=False)
 
     @property
     def is_rest(self) -> bool:
@@ -145,7 +155,7 @@ class FollowedOrbit(PeriodicOrbit):
                 allowed = f"must be different names of {', '.join(known)}"
                 hint = "" if name in known else meant(str(name), known)
                 raise ParameterError("wrt", name, allowed + hint)
-        if self.section is None:
+        if self._section is None:
             raise ParameterError("wrt", wrt, "a rest has no switching points to differentiate")
         dt, dx, _ = changes_of(self, names)
         slopes = np.array([self._slopes(name) for name in names]).T
@@ -167,8 +177,8 @@ class FollowedOrbit(PeriodicOrbit):
         """Return the multipliers of the orbit at another value of a parameter, in the order of the
         orbit's own.
         """
-        assert self.section is not None
-        section = replace(self.section, law=self.parameters.replace(**{name: value}))
+        assert self._section is not None
+        section = replace(self._section, law=self.parameters.replace(**{name: value}))
         t, x, _ = self.start
         shooting = Shooting(section, self.periods, 1.0, 1.0)
         closed = shooting.polish(Closed(t, x, self.period, np.eye(2), 0.0, 0), NEIGHBOUR_DIGITS)
@@ -315,7 +325,7 @@ def followed_orbit(
         digits=digits,
         start=(_rounded(t - lag, digits), _rounded(x, digits), v),
         motion=motion,
-        section=section,
+        _section=section,
     )
 
 
@@ -337,7 +347,7 @@ def changes_of(
     orbit: FollowedOrbit, wrt: tuple[str, ...]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the derivatives of an orbit's times, positions and period with respect to `wrt`."""
-    section = orbit.section
+    section = orbit._section
     motion = orbit.motion
     assert section is not None
     assert motion is not None

@@ -111,7 +111,7 @@ class LawCurve:
 
     def __post_init__(self) -> None:
         assert self.first.motion is not None
-        assert self.first.section is not None
+        assert self.first._section is not None
         self.model = self.first.parameters
         self.periods = self.first.periods
         times = np.linspace(float(self.first.motion.t_start), float(self.first.motion.t_end), 513)
@@ -267,7 +267,7 @@ class LawCurve:
 
     def begin(self, direction: float) -> CurvePoint | None:
         """Return the first point, with the tangent in a direction of the parameter."""
-        section = self.first.section
+        section = self.first._section
         assert section is not None
         assert self.first.motion is not None
         t = float(self.first.motion.t_start)

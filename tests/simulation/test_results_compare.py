@@ -9,6 +9,7 @@ import copy
 import inspect
 import pickle
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -46,6 +47,7 @@ def test_results_compare_copy_and_pickle(make: Callable[[int], Trajectory | Even
         assert hash(first) == hash(same)
 
 
+STICK_SLIP = symosc.Oscillator(m=1, c="1/10", k=1, belts=[symosc.Belt("1/5", mu="1/2", mu_s=1)])
 SYMBOLS = sympy.symbols("gamma amplitude", real=True)
 ORBIT = symosc.find_orbit(FIG9, "P32")
 
@@ -56,6 +58,8 @@ WRONG = TRAJECTORY(TIMES) + np.where(TIMES > 2, 0.01, 0) * np.array([[0], [1]])
 #: A call of each public function, by its name; None for those that return no class of symosc.
 CALLS: dict[str, Callable[[], Any] | None] = {
     "atlas": lambda: symosc.atlas(FIG9, {"Omega": (3.9, 4.1), "FN": (9.5, 10.5)}, workers=1),
+    "attractors": lambda: symosc.attractors(STICK_SLIP, [(0, 0, 0), (0, 2, 0)]),
+    "bifurcation": None,  # its result is xarray's
     "certify": lambda: symosc.certify("fig5", t_end=5),
     "check_grazing": lambda: symosc.check_grazing(FIG9, "P2", n=5),
     "compiled_residual": None,
@@ -73,10 +77,14 @@ CALLS: dict[str, Callable[[], Any] | None] = {
     "grazing_windows": lambda: symosc.grazing_windows(FIG9, "P2", k=[1, 2]),
     "is_grazing": lambda: symosc.is_grazing(FIG9, "P2", 1, 2),
     "jacobian": None,
+    "law_error": lambda: symosc.law_error(
+        lambda pieces: STICK_SLIP.replace(k=1 + Fraction(1, pieces**2)), lambda law: float(law.k), 4
+    ),
     "load_scene": lambda: load_scene("fig5"),
     "parameter_jacobian": None,
     "read_word": lambda: symosc.read_word("P32"),
     "residual": None,
+    "return_map": lambda: symosc.return_map(FIG9, points=8),
     "scene_names": None,
     "sensitivities": lambda: symosc.sensitivities("fig5", t_end=5),
     "simulate": lambda: simulate("fig5", t_end=5),

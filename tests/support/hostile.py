@@ -216,6 +216,7 @@ VALID: dict[str, set[str]] = {
     **{f"MovedTrajectory.{name} t": NUMBER | ROWS for name in ("__call__", "mode", "force")},
     **{f"OtherModel.{way} {name}": NUMBER | ROWS for way in ("back", "forth") for name in "txv"},
     "GrazingWindow.contains theta": NUMBER | ROWS | {"1e51"},
+    "FollowedOrbit.__call__ t": NUMBER | ROWS,
     "PeriodicOrbit.__call__ t": (
         NUMBER | ROWS | {"-10**60", "1e51", "1e200", "fraction_long", "mpf_tiny"}
     ),
@@ -354,6 +355,8 @@ MAKERS: dict[str, Callable[[], Any]] = {
     "line": lambda: symosc.sweep(
         "fig9", {"Omega": "3:5:3"}, record=["section:2", "events"], t_end="12T"
     ),
+    "law scene": lambda: symosc.Scene("a", FREE, t0=0, x0=2, v0=0, t_end=9),
+    "cycle": lambda: symosc.find_orbit(FREE, x0=2),
     "attractors": lambda: symosc.attractors(P9, {"x0": [0, 1], "v0": [0, 1]}, t_end="40T"),
     "scores": _scores,
     "drawing": lambda: plot.figure("fig6", panels="a"),
@@ -518,6 +521,9 @@ def of_answers() -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
         "PeriodicOrbit.__call__": (m("orbit"), {"t": [1, 2]}),
         "PeriodicOrbit.sensitivities": (m("orbit").sensitivities, {"wrt": "FN"}),
         "PeriodicOrbit.approach": (m("orbit").approach, {"scene": "fig9", "within": 1e-3}),
+        "FollowedOrbit.__call__": (m("cycle"), {"t": [1, 2]}),
+        "FollowedOrbit.sensitivities": (m("cycle").sensitivities, {"wrt": "FN"}),
+        "FollowedOrbit.approach": (m("cycle").approach, {"scene": m("law scene"), "within": 1e-3}),
         "Branch.orbit": (m("branch").orbit, {"i": 0}),
         "Branch.parameters": (m("branch").parameters, {"i": 0}),
         "continue_border": (
