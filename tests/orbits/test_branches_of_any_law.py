@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from law_orbits import DRIVEN, STICK_SLIP, TWO_BANDS, confirmed, driven
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import symosc
@@ -198,3 +199,60 @@ def test_what_cannot_be_is_refused_in_one_line(call: Any, error: Any, part: str)
 def short_branch() -> Any:
     """Return a short branch under static friction."""
     return continue_orbit(DAMPED, "S1 B1", "v1", ("0.39", "0.41"))
+
+
+def entrained(Omega: Any) -> Oscillator:
+    """Return a self-excited oscillator under a small drive, with damping -0.7, -0.22 and 0.07."""
+    belt = Belt("3/2", curve=[(0, 1), ("1/4", "4/5"), (1, "14/25"), (3, "1/2")])
+    return Oscillator(m=1, c="1/10", k=1, B0="1/10", Omega=Omega, belts=[belt])
+
+
+def test_a_neimark_sacker_point_is_where_the_mean_damping_vanishes() -> None:
+    """Both multipliers have the product exp(-integral of c_j/m): there it is 1, by scipy."""
+    branch = continue_orbit(entrained("0.9"), None, "Omega", ("0.9", "0.94"))
+    (place,) = branch.special
+    assert place.kind == "Neimark-Sacker"
+
+    def slope_of_friction(v: float) -> float:
+        return [0.8, 0.32, 0.03][np.searchsorted([0.25, 1], abs(1.5 - v))]
+
+    def motion(t: float, y: np.ndarray) -> list[float]:
+        x, v, _ = y
+        friction = np.interp(1.5 - v, [0, 0.25, 1, 3], [1, 0.8, 0.56, 0.5])
+        force = 0.1 * cos(place.value * t) - 0.1 * v - x + friction
+        return [v, force, 0.1 - slope_of_friction(v)]
+
+    t, x, v = place.start
+    span = 2 * pi / place.value
+    ends = solve_ivp(motion, (t, t + span), [x, v, 0], rtol=1e-10, atol=1e-12, max_step=0.01)
+    assert ends.y[:2, -1] == pytest.approx([x, v], abs=1e-9)
+    assert abs(ends.y[2, -1]) < 1e-7
+    kinds = [abs(pair[0]) > 1 for pair in branch.multipliers]
+    assert kinds == [value > place.value for value in branch.values]
+
+
+@pytest.mark.slow
+def test_an_entrained_orbit_ends_in_a_fold() -> None:
+    """A stable and an unstable orbit meet there, as the square root of the parameter."""
+    first = find_orbit(entrained("0.966"), x0=2)
+    branch = continue_orbit(entrained("0.966"), None, "Omega", ("0.962", "0.967"), first)
+    (fold,) = branch.special
+    assert fold.kind == "fold"
+    assert [end.value for end in branch.ends] == [0.967, 0.967]
+    orbits = [branch.orbit(0), branch.orbit(-1)]
+    assert sorted(str(orbit.stable) for orbit in orbits) == ["False", "True"]
+    for orbit in orbits:
+        confirmed(orbit, 1e-9)
+    apart = []
+    for part in (1e-6, 4e-6):
+        both = [
+            find_orbit(
+                entrained(fold.value + part),
+                guess=(fold.start[0], fold.start[1] + side, fold.start[2]),
+            )
+            for side in (-1e-3, 1e-3)
+        ]
+        apart.append(abs(both[0].points[0].x - both[1].points[0].x))
+    assert apart[1] / apart[0] == pytest.approx(2, rel=0.05)
+    with pytest.raises(ConvergenceError):
+        find_orbit(entrained(fold.value - 1e-5), guess=fold.start, periods=1)
