@@ -301,6 +301,10 @@ WRONG_FILES = {
     "negative": (("mu = 0.5\n[[", "mu = -1\n[["), "line 8, table 1 of [[belts]]"),
     "in words": (("v = 2\n", 'v = "fast"\n'), "line 7, table 1 of [[belts]]"),
     "a late curve": (("mu = 0.5\n[[", "curve = [[1, 1]]\n[["), "must be 0 at the first point (mine.toml, line 8, "),
+    "decimals in a curve": (
+        ("mu = 0.5\n[[", "curve = [[0, 0.5], [0, 0.3]]\n[["),
+        "curve = [[0, 0.5], [0, 0.3]]: w of the point (0, 0.3)",
+    ),
     "a negative point": (
         ("mu = 0.5\n[[", "curve = [\n  [0, 1],\n  [1, -1],\n]\n[["),
         "mu of the point (1, -1) must be >= 0 (mine.toml, line 11, table 1 of [[belts]])",

@@ -39,14 +39,22 @@ def shown(value: object) -> str:
     their type.
     """
     try:
-        if isinstance(value, Number) and not isinstance(value, str):
-            text = str(value)
-        else:
-            text = repr(value)
+        text = _without_types(value)
     except Exception:
         # An integer of thousands of digits cannot be printed; nor can what has a broken repr.
         text = f"<{type(value).__name__}>"
     return brief(text)
+
+
+def _without_types(value: object) -> str:
+    """Return the representation of a value; numbers, in lists and tuples too, without their type."""
+    if isinstance(value, Number) and not isinstance(value, str):
+        return str(value)
+    if type(value) is list:
+        return f"[{', '.join(map(_without_types, value))}]"
+    if type(value) is tuple and len(value) > 1:
+        return f"({', '.join(map(_without_types, value))})"
+    return repr(value)
 
 
 def brief(text: str) -> str:

@@ -296,5 +296,5 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
 @cache
 def _registry() -> Any:
     """Return pint's registry of units; MissingExtraError without pint."""
-    pint = optional("pint", "a number with a unit in a scene", "units")
+    pint = optional("pint", "a number with a unit", "units")
     return pint.UnitRegistry(non_int_type=Fraction)
