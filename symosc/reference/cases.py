@@ -112,8 +112,9 @@ def reference_case(name: str) -> ReferenceCase:
     """
     cases = {case.name: case for case in reference_cases()}
     if name not in cases:
-        near = get_close_matches(name, cases, 3) or ["symosc cases lists all"]
-        raise ParameterError("case", name, f"is no reference case; near it: {', '.join(near)}")
+        near = get_close_matches(name, cases, 3)
+        hint = f"near it: {', '.join(near)}" if near else "`symosc cases` lists all"
+        raise ParameterError("case", name, f"is no reference case; {hint}")
     return cases[name]
 
 

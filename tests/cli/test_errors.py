@@ -122,6 +122,7 @@ BAD = {
     "check fig9 run.csv --columns z=1": "is not t=NAME",
     "check fig9 run.csv -o errors.doc": ".svg",
     "check run.csv --case free-decay-2 --scene fig9": "give --scene or --case, not both",
+    "check run.csv --case none-such": "no reference case; `symosc cases` lists all",
     "cases --group none": "group",
     "cases -o -": "is not a folder",
     "score": "Missing argument",

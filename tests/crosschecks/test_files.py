@@ -159,6 +159,12 @@ def test_wrong_columns_and_no_numbers_are_named(tmp_path: Path) -> None:
         read_samples(tmp_path / "none.parquet")
 
 
+def test_the_kind_of_events_is_proposed_for_no_other_column(tmp_path: Path) -> None:
+    (tmp_path / "events.csv").write_text("t,kind\n0.1,stick\n", encoding="utf-8")
+    with pytest.raises(ParameterError, match=r"are t, kind; say which is which by name or number$"):
+        read_samples(tmp_path / "events.csv")
+
+
 def test_what_is_in_a_struct_is_named_after_it(tmp_path: Path) -> None:
     variables = {"out": {"run": COLUMNS, "limits": {"x": 5.0}}, "step": 0.1}
     savemat(tmp_path / "run.mat", variables)

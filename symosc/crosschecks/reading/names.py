@@ -296,7 +296,9 @@ def _example(
     for role in SAMPLE_COLUMNS:
         if role in places or role in missing:
             continue
-        free = [i for i in range(len(names)) if i not in taken and names[i]]
+        free = [
+            i for i, name in enumerate(names) if i not in taken and name and name != KIND_COLUMN
+        ]
         place = advice.get(role, -1)
         if place not in free:
             place = free[0] if free else -1
