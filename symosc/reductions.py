@@ -573,5 +573,8 @@ def _difference(a: Fraction, b: Fraction) -> tuple[Fraction, Fraction]:
     return difference, half_unit(size)
 
 
+# The generated __init__ takes any keyword to Python's own message, which suggests no name.
+OtherModel.__init__ = public(OtherModel.__init__)  # type: ignore[method-assign]
+
 MODEL_NAMES = tuple(field.name for field in fields(OtherModel))
 NUMBER_NAMES = tuple(name for name in MODEL_NAMES if name not in ("joined", "belts"))

@@ -201,6 +201,10 @@ def test_cases_of_an_audit(name: str, call: Callable[[], Any]) -> None:
             lambda: symosc.Parameters(mu_1=1),
             r"Parameters\(\).*'mu_1'; known are m, c, k, .*, FN; did you mean mu1\?",
         ),
+        (
+            lambda: symosc.OtherModel(m=1, k=1, Omega=1, FN=1, join=True),
+            r"^OtherModel\(\).*'join'; known are m, k, .*, belts; did you mean joined\?",
+        ),
         (lambda: symosc.Parameters(mu=1), r"'mu'; known are m, .*; did you mean mu1 or mu2\?"),
         (
             lambda: symosc.simulate(P9, 14),
