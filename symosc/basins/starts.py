@@ -14,6 +14,7 @@ from symosc.sweeps.plan import read_axis
 
 NAMES = START_NAMES[:3]
 GRID = "two of them, with their values, make a grid"
+NAMES_OF_STARTS = "must name t0, x0 and v0, or two of them, which make a grid"
 
 
 class ReadStarts(NamedTuple):
@@ -34,6 +35,8 @@ def read_starts(starts: Any) -> ReadStarts:
     """Return starts that are given as rows t0, x0, v0, as columns of these names, or as a grid."""
     if isinstance(starts, Mapping) and len(starts) == 2:
         return _grid(starts)
+    if isinstance(starts, Mapping) and {*starts} != {*NAMES}:
+        raise ParameterError("starts", [*starts], NAMES_OF_STARTS)
     columns = named("starts", starts, NAMES)
     if isinstance(columns, Mapping):
         values = {name: NumberColumn(name, columns[name]).hi for name in NAMES}
@@ -64,7 +67,7 @@ def _grid(starts: Mapping[Any, Any]) -> ReadStarts:
     """Return a grid of starts over two of t0, x0 and v0; the third one is 0."""
     for name in starts:
         if name not in NAMES:
-            raise ParameterError("starts", name, f"must name t0, x0 and v0, or two of them: {GRID}")
+            raise ParameterError("starts", name, NAMES_OF_STARTS)
     axes = {str(name): read_axis(str(name), values) for name, values in starts.items()}
     mesh = np.meshgrid(*axes.values(), indexing="ij")
     columns = dict(zip(axes, mesh, strict=True))

@@ -260,14 +260,28 @@ def orbit_of_law(
     read = None if word is None else of_belts(read_word(word), len(model.law.belts))
     if guess is None:
         assert read is not None
-        return orbit_of_labels(model, read, periods, digits)
+        try:
+            return orbit_of_labels(model, read, periods, digits)
+        except ConvergenceError as error:
+            written = str(read_word(word).cycle)
+            if written == error.word:
+                raise
+            reason = f"{error.reason}; {written} is {error.word} here, where words name belts"
+            raise ConvergenceError(error.word, (), error.periods, inf, reason) from None
     if isinstance(guess, PeriodicOrbit):
         state = guess.start
         if model.B0 != 0:
             periods = periods or guess.periods
     else:
         state = _state_of_guess(model, read, guess)
-    orbit = orbit_near(model, *state, periods, digits)
+    try:
+        orbit = orbit_near(model, *state, periods, digits)
+    except ParameterError as error:
+        if error.name != "belts":
+            raise
+        # The section, a transparent belt of the oscillator, is as fast as the motion.
+        said = "must be nearer to the orbit: beside its speeds those of the law are too close"
+        raise ParameterError("guess", guess, said) from None
     if read is not None and orbit.labels != read.cycle.labels:
         reason = f"the guess leads to the orbit {orbit.word or 'without a belt'}"
         raise ConvergenceError(str(read.cycle), orbit.points, orbit.periods, inf, reason)
@@ -276,7 +290,7 @@ def orbit_of_law(
 
 def _state_of_guess(model: Model, word: Word | None, guess: Any) -> tuple[Number, Number, Number]:
     """Return a state (t, x, v) from a guess: three numbers, or switching points of a word."""
-    allowed = "must be a state (t, x, v) near the orbit"
+    allowed = "must be an orbit, or a state (t, x, v) near the orbit"
     if word is not None:
         allowed += ", or pairs (t, x), the first where the word begins"
     if isinstance(guess, Mapping):

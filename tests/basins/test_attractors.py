@@ -238,6 +238,8 @@ def test_tables_have_the_grid_and_the_shares() -> None:
     ("changes", "said"),
     [
         ({"starts": {"x0": "0:1:2", "y0": [1]}}, "y0"),
+        ({"starts": {}}, r"starts = \[\]: must name t0, x0 and v0, or two of them"),
+        ({"starts": {"x0": [1]}}, "must name t0, x0 and v0, or two of them"),
         ({"starts": [[1, 2]]}, "rows t0, x0, v0"),
         ({"starts": np.zeros((0, 3))}, "one or more"),
         ({"starts": [[0, np.nan, 1]]}, "x0"),

@@ -256,7 +256,9 @@ def test_orbits_are_drawn_and_printed(tmp_path: Any, monkeypatch: Any) -> None:
     [
         (lambda: find_orbit(STICK_SLIP, periods=2), ParameterError, "periods requires a word"),
         (lambda: find_orbit(STICK_SLIP, "S1 B1", x0=2), ParameterError, "without them x0 starts"),
-        (lambda: find_orbit(STICK_SLIP, guess=(0, 1)), ParameterError, "a state (t, x, v)"),
+        (lambda: find_orbit(STICK_SLIP, guess=(0, 1)), ParameterError, "be an orbit, or a state (t,"),
+        (lambda: find_orbit(FALLING, guess=(0, 1e9, 0)), ParameterError, "guess = (0, 1000000000.0"),
+        (lambda: find_orbit(STICK_SLIP, "P32"), ConvergenceError, "P32 is B1∘A1 here"),
         (lambda: find_orbit(STICK_SLIP, "S2 B2"), WordError, "belt 2, and there is one belt"),
         (lambda: find_orbit(THREE, "S4 B4"), WordError, "belt 4, and there are 3 belts"),
         (lambda: find_orbit(FALLING, "S1 B1", (0, 1.5, 0)), ConvergenceError, "leads to the orbit"),
