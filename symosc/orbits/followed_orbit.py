@@ -37,7 +37,7 @@ from symosc.orbits.periodic_orbit import (
 from symosc.orbits.return_maps import SPARE_DIGITS, Closed, Shooting, SpeedSection
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
-from symosc.simulation.trajectory import Trajectory, map_labels
+from symosc.simulation.trajectory import BAND_ROW, ELAPSED_ROW, Trajectory, map_labels
 from symosc.words import Word, first_of_cycle
 
 #: How far the motion over one period may end from its start, as a part of its size and speed, for
@@ -54,6 +54,8 @@ APPROACH_LOOPS = 400.5
 #: A phase is looked for to this part of the period, among so many samples at once.
 PHASE_STEP = 1e-13
 ZOOM = 64
+#: The velocity turns where two steps of the search differ by less than this part of its distance.
+FINE_TURN = 1e-9
 
 
 @dataclass(frozen=True, repr=False)
@@ -305,7 +307,7 @@ def followed_orbit(
     values = (_rounded_complex(first, digits), _rounded_complex(second, digits))
     gap = _gap(values, periods)
     stable = None if abs(gap) <= NEAR_ONE else gap > 0
-    near = turning_distance(motion, inside, vs)
+    near = min(turning_distance(motion, inside, vs), passing_distance(motion))
     period = _rounded(span, digits)
     return FollowedOrbit(
         parameters=law,
@@ -500,6 +502,41 @@ def turning_distance(motion: Trajectory, times: np.ndarray, v: np.ndarray) -> fl
         bend = before[n] - 2 * here[n] + after[n]
         vertex = here[n] - (after[n] - before[n]) ** 2 / (8 * bend)
         nearest = min(nearest, float(np.abs(vertex - speeds).min()))
+    return nearest
+
+
+def passing_distance(motion: Trajectory) -> float:
+    """Return how far beyond a belt the velocity would turn, at least, if the flights that end there
+    went on; inf if none would turn.
+    """
+    nearest = inf
+    for event in motion.events:
+        if event.source.startswith("belt"):
+            continue
+        end = float(event.t) - float(motion.t_start)
+        piece = int(np.searchsorted(motion._pieces[ELAPSED_ROW], end)) - 1
+        row = int(motion._pieces[BAND_ROW, piece])
+        upwards = event.source == f"Omega{event.boundary}"
+        begin = end
+        span = 2 * pi / motion._rows_of_constants[row].beat
+        vertex = float(motion.parameters.law.belts[event.boundary - 1].v)  # of a mere touch
+        speed = vertex
+        turns = True
+        while turns and span > PHASE_STEP:
+            times = begin + np.linspace(0.0, span, ZOOM + 1)
+            _, v, _ = motion._states_together(times, np.full(len(times), piece), row)
+            back = np.flatnonzero((np.diff(v) > 0) != upwards)
+            turns = len(back) > 0
+            n = int(back[0]) if turns else 0
+            if n > 0:
+                before, here, after = v[n - 1 : n + 2].tolist()
+                vertex = here - (after - before) ** 2 / (8 * (before - 2 * here + after))
+                if abs(vertex - here) <= FINE_TURN * abs(vertex - speed):
+                    break
+                begin = float(times[n - 1])
+            span = 2 * span / ZOOM
+        if turns:
+            nearest = min(nearest, abs(vertex - speed))
     return nearest
 
 

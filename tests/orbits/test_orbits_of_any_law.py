@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from cli_runs import run
 from law_orbits import DRIVEN, FREE, STICK_SLIP, TWO_BANDS, confirmed, driven
+from scipy.integrate import solve_ivp
 
 import symosc
 from symosc import (
@@ -274,3 +275,18 @@ def test_what_cannot_be_is_refused_in_one_line(call: Any, error: Any, part: str)
         call()
     assert part in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize("V", [0.2, 0.549])
+def test_how_far_a_slip_would_pass_the_belt_is_how_far_it_is_from_grazing(V: float) -> None:
+    """The slip of the damped cycle by scipy, as if there were no belt where it arrives."""
+    law = Oscillator(m=1, c="1/10", k=1, belts=[Belt(str(V), mu="1/2", mu_s=1)])
+    cycle = find_orbit(law, x0=2)
+    slip = solve_ivp(
+        lambda t, y: [y[1], 0.5 - 0.1 * y[1] - y[0]], (0, 9), [1 - 0.1 * V, V],
+        rtol=1e-12, atol=1e-13, dense_output=True,
+    )  # fmt: skip
+    speeds = slip.sol(np.linspace(3, 9, 60_001))[1]
+    lowest = slip.sol(np.linspace(0, 5, 50_001))[1].min()
+    expected = min(speeds.max() - V, V - lowest)
+    assert cycle.grazing_distance == pytest.approx(expected, abs=1e-8)
