@@ -257,13 +257,15 @@ def orbit_of_law(
     model: Model, word: WordLike | None, guess: Any, digits: int | None, periods: int | None
 ) -> PeriodicOrbit:
     """Return an orbit under any law with a word, or near a guess."""
-    read = None if word is None else of_belts(read_word(word), len(model.law.belts))
+    given = None if word is None else read_word(word)
+    read = None if given is None else of_belts(given, len(model.law.belts))
     if guess is None:
+        assert given is not None
         assert read is not None
         try:
             return orbit_of_labels(model, read, periods, digits)
         except ConvergenceError as error:
-            written = str(read_word(word).cycle)
+            written = str(given.cycle)
             if written == error.word:
                 raise
             reason = f"{error.reason}; {written} is {error.word} here, where words name belts"
