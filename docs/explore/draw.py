@@ -12,7 +12,7 @@ from browsing import chromium  # noqa: E402  it is in the folder that was just n
 from exploring import served  # noqa: E402
 
 WIDTH = 1400
-HEIGHT = 922
+HEIGHT = 1008  # the last panel ends here
 
 
 def draw(path: Path) -> None:
