@@ -30,7 +30,7 @@ def mark_wide_blocks(app: Sphinx, tree: nodes.document, name: str) -> None:
     """Give each literal block that is too wide the class `small-print`, `broken-lines` or, if its
     tables fit, `broken-prose`.
     """
-    for block in tree.findall(nodes.literal_block):
+    for block in (*tree.findall(nodes.literal_block), *tree.findall(nodes.doctest_block)):
         text = block.astext().expandtabs()
         longest = max(map(len, text.splitlines()), default=0)
         parent = block.parent
