@@ -1,7 +1,7 @@
 """Literal blocks with lines too long for the column of a page: smaller letters or, if these do not do, broken lines.
 
 What is wide gets a class, by its longest line; `symosc.css` has the sizes of the letters. A table keeps its
-columns, and scrolls.
+columns, and scrolls; if only the lines around it are long, these are broken.
 """
 
 from __future__ import annotations
@@ -20,9 +20,17 @@ INDENT = 5
 RULE = re.compile(r"^ *-+(?: +-+)+ *$", re.MULTILINE)
 
 
+def widest_row(text: str) -> int:
+    """Return the length of the longest row of the tables in a text; 0 if there are none."""
+    tables = [part for part in text.split("\n\n") if RULE.search(part)]
+    return max((len(row) for table in tables for row in table.splitlines()), default=0)
+
+
 def mark_wide_blocks(app: Sphinx, tree: nodes.document, name: str) -> None:
-    """Give each literal block that is too wide the class `small-print` or `broken-lines`."""
-    for block in tree.findall(nodes.literal_block):
+    """Give each literal block that is too wide the class `small-print`, `broken-lines` or, if its
+    tables fit, `broken-prose`.
+    """
+    for block in (*tree.findall(nodes.literal_block), *tree.findall(nodes.doctest_block)):
         text = block.astext().expandtabs()
         longest = max(map(len, text.splitlines()), default=0)
         parent = block.parent
@@ -32,6 +40,8 @@ def mark_wide_blocks(app: Sphinx, tree: nodes.document, name: str) -> None:
             parent = parent.parent
         if longest > SMALL and not RULE.search(text):
             block["classes"].append("broken-lines")
+        elif longest > SMALL and widest_row(text) <= SMALL:
+            block["classes"].append("broken-prose")
         elif longest > USUAL:
             block["classes"].append("small-print")
 

@@ -299,7 +299,7 @@ def add_legend(
     drawing: Figure, ax: Axes | None, shown: dict[str, Any] | Iterable[Axes], columns: int
 ) -> None:
     """Add a legend of `shown` (entries, or axes with them) to `ax` or, if None, in `columns` below
-    the figure.
+    the figure, or in fewer if the figure is too narrow for them.
     """
     if isinstance(shown, dict):
         entries = shown
@@ -308,13 +308,24 @@ def add_legend(
     if ax is not None and entries:
         ax.legend(list(entries.values()), list(entries))
     elif entries:
-        style: Record = {
-            "loc": "outside lower center",
-            "frameon": False,
-            "ncols": min(columns, len(entries)),
-        }
+        labels = list(entries)
+        columns = min(columns, len(labels))
+        while columns > 1 and _legend_width(labels, columns) > drawing.get_figwidth():
+            columns -= 1
+        style: Record = {"loc": "outside lower center", "frameon": False, "ncols": columns}
         style |= {"handlelength": 1.6, "columnspacing": 1.4, "borderpad": 0.1}
         drawing.legend(list(entries.values()), list(entries), **style)
+
+
+def _legend_width(labels: list[str], columns: int) -> float:
+    """Estimate the width of a legend in inches: letters, marks and gaps of the style above."""
+    read = [len(re.sub(r"\\[a-z]+|[${}^_]", "", label)) for label in labels]
+    rows, longer = divmod(len(labels), columns)  # the first columns have a row more
+    widest = []
+    for number in range(columns):
+        first = number * rows + min(number, longer)
+        widest.append(max(read[first : first + rows + (number < longer)]))
+    return 0.05 * sum(widest) + 0.43 * len(widest)
 
 
 def read_panels(

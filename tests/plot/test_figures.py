@@ -449,3 +449,14 @@ def test_belts_of_a_pulled_block_are_drawn_in_its_own_coordinates() -> None:
     }
     assert 0.0 in levels
     assert -0.1 not in levels
+
+
+@pytest.mark.parametrize("width", [7, 4, 3])
+def test_a_legend_is_no_wider_than_its_figure(width: float) -> None:
+    t = np.linspace(0, 10, 500)
+    x, v = simulate("fig5")(t)
+    v[t > 3] += 1e-5
+    drawing = crosscheck("fig5", t, x, v, partial=True).plot(panels="b", figsize=(width, 3))
+    drawing.draw_without_rendering()
+    box = drawing.legends[0].get_window_extent()
+    assert 0 <= box.x0 < box.x1 <= drawing.bbox.width
