@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from symosc.base.aliases import Number, NumberLike, Record, SceneName
-from symosc.base.arguments import ARRAY_LIKE, NAMES, SCENE_NAME, public, require
+from symosc.base.arguments import ARRAY_LIKE, NAMES, public, require
 from symosc.base.arrays import real_array
 from symosc.base.errors import ParameterError, meant
-from symosc.base.exact import read_exact
 from symosc.derivatives.sensitivities import sensitivities
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.events import Event
@@ -33,9 +32,11 @@ from symosc.orbits.periodic_orbit import (
     SwitchingPoint,
     counted_periods,
     multiplier_text,
+    periods_until,
+    read_approach,
 )
 from symosc.orbits.return_maps import SPARE_DIGITS, Closed, Shooting, SpeedSection
-from symosc.scenes import Scene, load_scene
+from symosc.scenes import Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import BAND_ROW, ELAPSED_ROW, Trajectory, map_labels
 from symosc.words import Word, first_of_cycle
@@ -205,12 +206,7 @@ class FollowedOrbit(PeriodicOrbit):
         ParameterError
             If the scene has other parameters than the orbit.
         """
-        require(Scene, SCENE_NAME, scene=scene)
-        if not isinstance(scene, Scene):
-            scene = load_scene(scene)
-        near = float(read_exact("within", within))
-        if near <= 0:
-            raise ParameterError("within", within, "must be > 0")
+        scene, near = read_approach(scene, within)
         if scene.parameters != self.parameters:
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
         t0 = float(scene.t0)
@@ -227,9 +223,7 @@ class FollowedOrbit(PeriodicOrbit):
         offset = states[:, 0] - on_orbit
         distance = np.abs(states - on_orbit[:, None]).max(axis=0)
         offset_x, offset_v = offset.tolist()
-        periods = int(np.flatnonzero(distance > near).max(initial=-1)) + 1
-        reached = periods if periods < len(distance) else None
-        return Approach(nan, nan, offset_x, offset_v, reached, near)
+        return Approach(nan, nan, offset_x, offset_v, periods_until(distance, near), near)
 
     def _nearest(self, times: np.ndarray, state: np.ndarray) -> float:
         """Return at which of some times the orbit is nearest to a state."""
@@ -488,6 +482,11 @@ def _lag(
     return turn * floor(begin / turn)
 
 
+def vertex_of(before: float, here: float, after: float) -> float:
+    """Return the extreme value of the parabola through three evenly spaced values."""
+    return here - (after - before) ** 2 / (8 * (before - 2 * here + after))
+
+
 def turning_distance(motion: Trajectory, times: np.ndarray, v: np.ndarray) -> float:
     """Return the smallest difference between the speed of a belt and a turn of the velocity in a
     flight beside it; inf without a turn.
@@ -499,8 +498,7 @@ def turning_distance(motion: Trajectory, times: np.ndarray, v: np.ndarray) -> fl
     turns = np.flatnonzero(flies & ((here - before) * (after - here) < 0))
     nearest = inf
     for n in turns.tolist():
-        bend = before[n] - 2 * here[n] + after[n]
-        vertex = here[n] - (after[n] - before[n]) ** 2 / (8 * bend)
+        vertex = vertex_of(before[n], here[n], after[n])
         nearest = min(nearest, float(np.abs(vertex - speeds).min()))
     return nearest
 
@@ -529,9 +527,8 @@ def passing_distance(motion: Trajectory) -> float:
             turns = len(back) > 0
             n = int(back[0]) if turns else 0
             if n > 0:
-                before, here, after = v[n - 1 : n + 2].tolist()
-                vertex = here - (after - before) ** 2 / (8 * (before - 2 * here + after))
-                if abs(vertex - here) <= FINE_TURN * abs(vertex - speed):
+                vertex = vertex_of(*v[n - 1 : n + 2].tolist())
+                if abs(vertex - float(v[n])) <= FINE_TURN * abs(vertex - speed):
                     break
                 begin = float(times[n - 1])
             span = 2 * span / ZOOM

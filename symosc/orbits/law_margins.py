@@ -25,7 +25,7 @@ from symosc.orbits.admissibility import (
     VANISHING,
     Condition,
 )
-from symosc.orbits.followed_orbit import FollowedOrbit, points_of
+from symosc.orbits.followed_orbit import FollowedOrbit, points_of, vertex_of
 
 #: Samples of each piece of an orbit.
 SAMPLES = 256
@@ -142,7 +142,7 @@ def _turns(
     before, here, after = v[:-2], v[1:-1], v[2:]
     for n in np.flatnonzero((here - before) * (after - here) < 0).tolist():
         bend = before[n] - 2 * here[n] + after[n]
-        vertex = float(here[n] - (after[n] - before[n]) ** 2 / (8 * bend))
+        vertex = float(vertex_of(before[n], here[n], after[n]))
         if bend < 0 and domain <= len(belts):
             number, distance = domain, belts[domain - 1] - vertex
         elif bend > 0 and domain > 1:

@@ -128,6 +128,25 @@ class OrbitSensitivities(NamedTuple):
         return not self == other
 
 
+def read_approach(scene: Scene | SceneName, within: NumberLike) -> tuple[Scene, float]:
+    """Return the scene and the distance that `PeriodicOrbit.approach` is given."""
+    require(Scene, SCENE_NAME, scene=scene)
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    near = float(read_exact("within", within))
+    if near <= 0:
+        raise ParameterError("within", within, "must be > 0")
+    return scene, near
+
+
+def periods_until(distance: np.ndarray, near: float) -> int | None:
+    """Return the period after the last one at which a motion is not near; None if it is the last."""
+    periods = int(np.flatnonzero(distance > near).max(initial=-1)) + 1
+    if periods < len(distance):
+        return periods
+    return None
+
+
 @dataclass(frozen=True)
 class PeriodicOrbit(Drawable):
     """A periodic orbit, or a root of its closing equations that is not one (`admissible` is False).
@@ -353,12 +372,7 @@ class PeriodicOrbit(Drawable):
         ParameterError
             If the scene has other parameters than the orbit.
         """
-        require(Scene, SCENE_NAME, scene=scene)
-        if not isinstance(scene, Scene):
-            scene = load_scene(scene)
-        near = float(read_exact("within", within))
-        if near <= 0:
-            raise ParameterError("within", within, "must be > 0")
+        scene, near = read_approach(scene, within)
         if scene.parameters.parameters != self.parameters.parameters:
             raise ParameterError("scene", scene.name, "must have the orbit's parameters")
         (t0, x0, v0) = map(float, (scene.t0, scene.x0, scene.v0))
@@ -378,10 +392,7 @@ class PeriodicOrbit(Drawable):
         states = min(choices, key=lambda choice: float(np.abs(choice[:, 0] - start).max()))
         offset_x, offset_v = (start - states[:, 0]).tolist()
         distance = np.abs(path(t0 + elapsed) - states).max(axis=0)
-        # From the period after the last one that is too far away.
-        periods = int(np.flatnonzero(distance > near).max(initial=-1)) + 1
-        reached = periods if periods < len(distance) else None  # else too far at the end
-        return Approach(dt, dx, offset_x, offset_v, reached, near)
+        return Approach(dt, dx, offset_x, offset_v, periods_until(distance, near), near)
 
     def as_dict(self) -> Record:
         """Return everything as plain values.
