@@ -16,11 +16,13 @@ from scipy.integrate import solve_ivp
 import symosc
 from symosc import (
     Belt,
+    BranchError,
     ConvergenceError,
     Oscillator,
     ParameterError,
     Scene,
     WordError,
+    continue_orbit,
     find_orbit,
     load_scene,
     plot,
@@ -183,6 +185,23 @@ def test_a_motion_without_damping_and_belts_is_marginal() -> None:
     assert cycle.stable is None
     assert cycle.period == pytest.approx(2 * pi, abs=1e-12)
     assert find_orbit(STICK_SLIP, x0="0.5").is_rest
+
+
+@pytest.mark.parametrize("k", ["1.33", "1.32999", "1.4", "1.2"])
+def test_an_undamped_motion_settles_to_the_circle_that_touches_its_belt(k: str) -> None:
+    """A slip begins without a force, so the flight comes back without one: nothing decides in
+    doubles whether the mass sticks there, and the orbit must not depend on rounding.
+    """
+    law = Oscillator(m="1.77", c=0, k=k, A0="0.56", belts=[Belt("0.7", mu="0.47")])
+    cycle = find_orbit(law, x0="-0.56", v0="-1.91")
+    assert (cycle.word, cycle.points, cycle.stable) == ("", (), None)
+    assert cycle.multipliers == pytest.approx((1, 1), abs=1e-12)
+    assert cycle.period == pytest.approx(2 * pi * (1.77 / float(k)) ** 0.5, rel=1e-9)
+    assert cycle.grazing_distance < 1e-11
+    with pytest.raises(BranchError, match="one of a family, and others lie beside it"):
+        continue_orbit(law, None, "k", ("1.1", "1.5"), cycle)
+    static = law.replace(mu_s1="0.6")
+    assert find_orbit(static, x0="-0.56", v0="-1.91").word == "S1∘B1"
 
 
 def test_the_paper_with_a_start_and_without_a_drive() -> None:
