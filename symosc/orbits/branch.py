@@ -176,7 +176,11 @@ class BranchError(SymoscError, ValueError):
 
     def __init__(self, orbit: PeriodicOrbit) -> None:
         self.orbit = orbit
-        super().__init__(f"the branch of {orbit.word} has no first orbit: {orbit.message}")
+        if orbit.word:
+            text = f"the branch of {orbit.word} has no first orbit: {orbit.message}"
+        else:
+            text = f"the branch has no first orbit: the motion settles to {orbit.message}"
+        super().__init__(text)
 
 
 class BranchEnd(NamedTuple):
@@ -473,6 +477,7 @@ def continue_orbit(
         "Omega", "A0", "FN", ...: any name of Parameters; under another law any name of its numbers,
         such as mu_s1, w1_1, slope1.
     range : (low, high)
+        The range of the parameter, such as (3, 5), with its value at the beginning in it.
     guess, periods : optional
         As for `find_orbit`.
     max_points : int
