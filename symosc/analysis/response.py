@@ -138,6 +138,7 @@ class FrequencyResponse(Columns):
         """Return a DataFrame, a row per value; MissingExtraError if pandas is not installed."""
         return imported("pandas").DataFrame(self.columns())
 
+    @public
     def to_csv(self, path: str | Path) -> None:
         """Write the columns as CSV with a header ("-": to standard output).
 

@@ -28,7 +28,7 @@ from symosc.base.arguments import (
 )
 from symosc.base.display.drawable import Comparable, Drawable
 from symosc.base.display.frames import imported
-from symosc.base.errors import ParameterError
+from symosc.base.errors import ParameterError, meant
 from symosc.base.exact import whole_number
 from symosc.base.quantities import quantity_of
 from symosc.basins.kinds import oscillator_of
@@ -174,8 +174,12 @@ def bifurcation(
     known = [name for name in swept_names(model) if name not in ("t0", "x0", "v0")]
     if len(over) != 1 or next(iter(over)) not in known:
         allowed = f"must be one of {', '.join(known)} with its values"
+        if len(over) == 1:
+            allowed += meant(next(iter(over)), known)
         raise ParameterError("over", list(over), allowed)
     ((name, given),) = over.items()
+    if name not in model.numbers():  # static friction of the paper's belts, which have none
+        model = oscillator_of(model)
     values = np.sort(read_axis(name, given))
     models = [model.replace(**{name: value}) for value in values.tolist()]
     kept = whole_number("sections", sections, 1, MOST_SECTIONS)

@@ -818,6 +818,7 @@ class Atlas(Drawable):
             },
         }
 
+    @public
     def to_json(self, path: str | Path) -> None:
         """Write the atlas to a JSON file that `symosc verify` can prove again ("-": to standard
         output).

@@ -176,8 +176,11 @@ class BranchError(SymoscError, ValueError):
 
     def __init__(self, orbit: PeriodicOrbit, hint: str = "") -> None:
         self.orbit = orbit
-        name = f"of {orbit.word}" if orbit.word else "without a belt"
-        super().__init__(f"the branch {name} has no first orbit: {orbit.message}{hint}")
+        if orbit.word:
+            text = f"the branch of {orbit.word} has no first orbit: {orbit.message}"
+        else:
+            text = f"the branch has no first orbit: the motion settles to {orbit.message}"
+        super().__init__(text + hint)
 
 
 class BranchEnd(NamedTuple):
@@ -474,6 +477,7 @@ def continue_orbit(
         "Omega", "A0", "FN", ...: any name of Parameters; under another law any name of its numbers,
         such as mu_s1, w1_1, slope1.
     range : (low, high)
+        The range of the parameter, such as (3, 5), with its value at the beginning in it.
     guess, periods : optional
         As for `find_orbit`.
     max_points : int

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from stiction_solver import solved
 
-from symosc import Belt, Oscillator, ParameterError, attractors, bifurcation, plot
+from symosc import Belt, Oscillator, ParameterError, attractors, bifurcation, load_scene, plot
 
 STICKY = Oscillator(
     m=1, c="0.05", k=1, B0="0.6", Omega="1.4", belts=[Belt("0.1", mu="0.7", mu_s="0.7")]
@@ -57,6 +57,17 @@ def test_rest_and_cycle_coexist_between_the_onset_and_the_last_touch() -> None:
 
 
 @pytest.mark.compiled("doubles")
+def test_static_friction_of_a_scene_of_the_paper() -> None:
+    """Its Parameters have none: the diagram is that of the Oscillator with it."""
+    p = load_scene("fig9").parameters
+    over = {"mu_s1": [0.3, 0.9]}
+    of_scene, of_oscillator = (
+        bifurcation(what, over, sections=2, skip=2) for what in (p, p.oscillator)
+    )
+    assert np.array_equal(of_scene.points, of_oscillator.points)
+    assert np.isfinite(of_scene.points).all()
+
+
 def test_the_diagram_tells_attractors_apart() -> None:
     found = bifurcation(FALLING, {"v1": [1.1, 1.5]})
     (axes,) = found.plot().axes

@@ -44,6 +44,17 @@ THREE = Oscillator(
 )  # fmt: skip
 
 
+def test_a_belt_that_is_never_reached_is_a_constant_force() -> None:
+    """As the message says where it is too fast for orbits to be found."""
+    slow = Belt("1/2", "0.3", mu_s="0.6")
+    law: dict[str, Any] = {"m": 1, "c": "0.1", "k": 1, "B0": 1, "Omega": 2}
+    far = find_orbit(Oscillator(**law, belts=[slow, Belt(1000, "0.1")]))
+    without = find_orbit(Oscillator(**law, A0="0.1", belts=[slow]))
+    assert far.multipliers == pytest.approx(without.multipliers, abs=1e-9)
+    with pytest.raises(ParameterError, match=r"belt 2 is too fast.* as a constant force A0$"):
+        find_orbit(Oscillator(**law, belts=[slow, Belt(10**12, "0.1")]))
+
+
 def test_the_stick_slip_cycle_has_the_period_of_its_closed_form() -> None:
     a = Fraction(1, 2)
     period = 2 * float(a) / 0.2 + 2 * pi - 2 * atan(float(a) / 0.2)

@@ -351,8 +351,14 @@ def _sigma(sigma: Any) -> np.ndarray:
         pair = sigma
     else:
         pair = [sigma] * 2
-    deviations = [float(read_exact("sigma", number)) for number in pair]
+    try:
+        deviations = [float(read_exact("sigma", number)) for number in pair]
+    except ParameterError:
+        deviations = []
     if len(deviations) != 2 or min(deviations) <= 0:
-        allowed = "must be a number > 0, or two such numbers, for x and for v"
+        allowed = (
+            "must be the standard deviation of the data, a number > 0 such as 0.01, or two such "
+            "numbers, for x and for v"
+        )
         raise ParameterError("sigma", sigma, allowed)
     return np.array(deviations)
