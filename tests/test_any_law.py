@@ -77,9 +77,9 @@ CALLS: dict[str, Callable[[Any], Any]] = {
 #: Public functions of which no argument is an oscillator.
 OTHERS = {"continue_border", "law_error", "load_scene", "read_word", "scene_names", "theorem7"}
 FOLLOW_STATIC = {
-    "attractors", "bifurcation", "crosscheck", "find_orbit", "fit", "frequency_response",
-    "plot.figure", "return_map", "sensitivities", "simulate", "simulate_many", "sweep",
-    "sweep_status",
+    "attractors", "bifurcation", "certify", "certify a scene", "crosscheck", "find_orbit", "fit",
+    "frequency_response", "plot.figure", "return_map", "sensitivities", "simulate", "simulate_many",
+    "sweep", "sweep_status",
 }  # fmt: skip
 #: Calls that take long, and differ only in the numbers of the parameters that they are given.
 LONG = {"atlas", "continue_orbit", "check_grazing", "fit", "grazing_windows"}
@@ -136,12 +136,12 @@ def test_one_belt_has_events_at_that_belt_alone() -> None:
 
 #: Commands that cannot follow static friction.
 REFUSING = (
-    "certify {} -o proof.json", "grazing {}",
+    "certify {} --window P2", "certify {} --wrt k", "grazing {}",
     "atlas {} --over Omega=3:5 --over FN=1:2",
 )  # fmt: skip
 FOLLOWING = (
     "simulate {}", "simulate {} --digits 20", "simulate {} --set mu_s1=1 --t-end 2T", "scenes {}",
-    "figure {} -o motion.svg", "orbit {}", "orbit {} -o orbit.svg",
+    "certify {} -o proof.json", "figure {} -o motion.svg", "orbit {}", "orbit {} -o orbit.svg",
     "orbit {} --response Omega=1:2:2 -o response.svg", "sweep {} --over mu_s1=0.6:1:2 --t-end 2T",
 )  # fmt: skip
 

@@ -14,8 +14,10 @@ from typing import Any
 from symosc.base.aliases import Record
 from symosc.base.arguments import public
 from symosc.base.display.drawable import Drawable
+from symosc.base.exact import show
 from symosc.base.files import write_text
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.certificates.corners import CORNER
+from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Model, Oscillator, Parameters
 
 #: The format that every certificate file names.
 FORMAT = "symosc certificate 1"
@@ -41,6 +43,23 @@ def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
     return tuple(name for name in (*PARAMETER_NAMES, *STARTS) if name not in left_out)
 
 
+def oscillator_entry(p: Model) -> Record:
+    """Return the entry `parameters` of a file: the eleven numbers, or a law with its belts."""
+    if not isinstance(p, Oscillator):
+        return dict(p.as_dict())
+    entry: Record = {name: show(getattr(p, name)) for name in OSCILLATOR_NAMES}
+    entry["belts"] = [
+        {
+            "v": show(belt.v),
+            "curve": [[show(w), show(mu)] for w, mu in belt.curve or ((Fraction(0), belt.mu),)],
+            "slope": show(belt.slope),
+            "mu_s": show(belt.mu_s),
+        }
+        for belt in p.belts
+    ]
+    return entry
+
+
 @dataclass(frozen=True, repr=False)
 class Certificate(Drawable):
     """A proven statement, with enclosures rounded outward.
@@ -56,7 +75,8 @@ class Certificate(Drawable):
         What is proven, in the words of the checker; otherwise what could not be proven, and where.
     events : tuple
         The proven events: (kind, source, target, (t_low, t_high), (x_low, x_high)), the numbers as
-        decimals. Of a trajectory that settles, those of its last periods only.
+        decimals. Of a trajectory that settles, those of its last periods only. Corners of a
+        friction curve are no events; the file has them.
     points, multipliers : tuple
         Of an orbit: enclosures of the switching points, and of the multipliers.
     stable : bool or None
@@ -140,6 +160,8 @@ def stated(
     """
     events = []
     for row in proven_rows(statement):
+        if row["kind"] == CORNER:
+            continue
         enclosures = [tuple(row[name]) for name in "tx" if name in row]
         events.append((row["kind"], row["source"], row["target"], *enclosures))
     multipliers = tuple(

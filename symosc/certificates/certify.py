@@ -37,7 +37,7 @@ from symosc.orbits.branch import Branch
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
-from symosc.scenes import Scene, from_rest, passed, scene_of
+from symosc.scenes import Scene, from_rest, model_of, passed, scene_of
 from symosc.simulation.tangents import read_wrt
 from symosc.words import Word, of_belts
 
@@ -59,20 +59,21 @@ def certify(
 ) -> Certificate:
     """Prove when, where and of what kind every event up to t_end is, and that none is missing.
 
-    Or prove an orbit: it exists, is the only one in a box and has its word; its multipliers are
-    enclosed. Or prove a branch: there is such an orbit for every value of its parameter, up to
-    where the branch ends. Or prove a grazing window, for all phases. A motion of a thousand periods
-    is proven to settle on an orbit (kind "settled") if its scene names the word of that orbit as
-    its structure: from some event on, a cycle of events repeats.
+    The friction law may be any: static friction, curves, any number of belts. Or prove an orbit: it
+    exists, is the only one in a box and has its word; its multipliers are enclosed. Or prove a
+    branch: there is such an orbit for every value of its parameter, up to where the branch ends. Or
+    prove a grazing window, for all phases. A motion of a thousand periods is proven to settle on an
+    orbit (kind "settled") if its scene names the word of that orbit as its structure: from some
+    event on, a cycle of events repeats.
 
     The engine proposes the enclosures: what it computes in many digits, with a radius. The checker
     (`symosc verify`) proves them by ball arithmetic (python-flint) and uses nothing of the engine.
 
     Parameters
     ----------
-    what : Scene, str, Path, Parameters, PeriodicOrbit, Branch, GrazingWindow or Atlas
-        A scene, the name of one, or the path of a TOML file; Parameters, from rest until `t_end`.
-        Or what `symosc.find_orbit`, `symosc.continue_orbit` or `symosc.grazing_window` returns.
+    what : Scene, str, Path, Parameters, Oscillator, PeriodicOrbit, Branch, GrazingWindow or Atlas
+        A scene, the name of one, or the path of a TOML file; Parameters or an Oscillator, from rest
+        until `t_end`. Or what `symosc.find_orbit`, `symosc.continue_orbit` or `symosc.grazing_window` returns.
     t_end : number, optional
         End in place of the scene's.
     start_error : number or three numbers, optional
@@ -83,7 +84,7 @@ def certify(
         Digits of a scene's enclosures; default 25, and more where events are closer to each other.
     wrt : str or sequence of str, optional
         Names of parameters, and t0, x0, v0: the derivatives of all events by them are enclosed too.
-        For exact starts, and motions without a graze.
+        For exact starts, motions without a graze, and at most two Coulomb belts.
     progress : bool or callable, optional
         For a branch. True: a bar on stderr, on a terminal. Or a function of the part of it that is
         proven.
@@ -96,7 +97,8 @@ def certify(
     Raises
     ------
     ParameterError
-        If a number is not one, or t_end is not later than t0.
+        If a number is not one, or t_end is not later than t0; or if the friction law is another
+        than that of at most two Coulomb belts, where only these can be proven.
     SceneError
         If there is no such scene.
     MissingExtraError
@@ -112,6 +114,13 @@ def certify(
     >>> dt, dx = certify("fig5", t_end=1, wrt="mu1").derivatives[0]
     >>> dt[0][0][:12]
     '-0.148289299'
+
+    Static friction, which begins slips with a jump of the force:
+
+    >>> from symosc import Belt, Oscillator
+    >>> stick_slip = Oscillator(m=1, c=0, k=1, belts=[Belt("1/5", mu="1/2", mu_s=1)])
+    >>> certify(stick_slip, t_end=14).events[0][:3]
+    ('stick', 'Omega1', 'belt1')
     """
     of_orbits = (PeriodicOrbit, Branch, GrazingWindow, Atlas)
     require(Scene, Parameters, Oscillator, SCENE_NAME, *of_orbits, what=what)
@@ -122,8 +131,10 @@ def certify(
     require_or_none(function_of(1), FLAG, progress=progress)
     given = passed(what)
     if isinstance(what, Scene | Model | str | Path):
-        what = scene_of(what, "what")
-    if isinstance(what, Parameters):
+        what = scene_of(what, "what", any_law=True)
+        if is_papers(model_of(what)):
+            what = scene_of(what, "what")
+    if isinstance(what, Model):
         if t_end is None:
             raise ParameterError("t_end", None, f"t_end is required when you pass {given}")
         what = from_rest(what, t_end)
@@ -162,6 +173,15 @@ def certify(
     return certify_window(what)
 
 
+def is_papers(p: Model) -> bool:
+    """Return whether an oscillator is the paper's: two Coulomb belts at most."""
+    try:
+        _ = p.parameters
+    except ParameterError:
+        return False
+    return True
+
+
 def _motion(
     scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]
 ) -> Certificate:
@@ -183,15 +203,17 @@ def _motion(
         scene = replace(scene, start_error=start_error)
     errors = read_start_error(scene.start_error) or EXACT
     wanted = read_digits(digits, MOST_DIGITS) or DIGITS
-    if wrt and any(errors):
-        raise ParameterError("wrt", wrt, "wrt requires a start that is known exactly")
+    if wrt:
+        _ = scene.parameters.parameters  # only the paper's: the error names belt and property
+        if any(errors):
+            raise ParameterError("wrt", wrt, "wrt requires a start that is known exactly")
     task = ToProve(
         scene.parameters, (scene.t0, scene.x0, scene.v0), errors, scene.t_end, wanted, wrt
     )
     # A long motion in a scene with a word may settle on the orbit of this word: then a cycle proves
     # it, event by event it would take too long.
     turned = scene.parameters.Omega * (scene.t_end - scene.t0)
-    if not wrt and scene.structure and turned > LONG_MOTION:
+    if is_papers(scene.parameters) and not wrt and scene.structure and turned > LONG_MOTION:
         with suppress(ConvergenceError):  # there is no such orbit
             settled = certify_settled(task, find_orbit(scene.parameters, scene.structure))
             if settled.proven:

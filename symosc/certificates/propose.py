@@ -32,16 +32,19 @@ from symosc.certificates.certificate import (
     Certificate,
     confirmed,
     made_by,
+    oscillator_entry,
     provable,
     stated,
 )
+from symosc.certificates.corners import CORNER, Step, steps_of
 from symosc.derivatives.sensitivities import sensitivities
 from symosc.engine.arithmetic import many_digits
 from symosc.engine.events import Event
+from symosc.engine.start import Start
 from symosc.engine.state import Launch
 from symosc.friction import MODE_NAMES, NEIGHBOURS
 from symosc.kernels._generated import acceleration
-from symosc.model import Parameters
+from symosc.model import Model, Parameters
 from symosc.orbits.closing_equations import ClosingEquations, polish
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.simulation.simulate import MOST_EXACT_EVENTS, simulate
@@ -117,7 +120,7 @@ class ToProve(NamedTuple):
     derivatives (`wrt`).
     """
 
-    p: Parameters
+    p: Model
     start: tuple[Fraction, Fraction, Fraction]
     errors: tuple[Fraction, Fraction, Fraction]
     t_end: Fraction
@@ -128,6 +131,11 @@ class ToProve(NamedTuple):
     def exact(self) -> bool:
         """Whether the start is known exactly."""
         return not any(self.errors)
+
+    @property
+    def may_touch(self) -> bool:
+        """Whether a file may state that one of the starts within an error touches a belt."""
+        return isinstance(self.p, Parameters)
 
     @property
     def error_digits(self) -> int:
@@ -144,6 +152,10 @@ class ToProve(NamedTuple):
         if not self.exact:
             about["start_error"] = list(self.errors)
         return simulate(self.p, digits=digits, max_events=most, **(about | changes))
+
+    def steps(self, run: Trajectory) -> Sequence[Step]:
+        """Return the events of a motion from this start, and the corners that it passes."""
+        return steps_of(run, Start(self.p, *self.start, self.t_end))
 
 
 # -- decimals --------------------------------------------------------------------------------------
@@ -235,7 +247,8 @@ def certify_motion(task: ToProve) -> Certificate:
     }
     kept |= {"starts": "all", "events": rows}
     since = Fraction(rows[-1]["t"][0]) if rows else task.start[0]
-    count = f"after {len(rows)} event{'' if len(rows) == 1 else 's'}"
+    events = sum(row["kind"] != CORNER for row in rows)
+    count = f"after {events} event{'' if events == 1 else 's'}"
     text = f"{message}, {count}, from t = {float(since):.15g} on"
     return stated("trajectory", False, text, kept)
 
@@ -263,7 +276,11 @@ def _statements(task: ToProve) -> Iterator[Record]:
         return
     working = task.digits + SPARE_DIGITS + task.error_digits
     run = task.run(working)
-    touch = _possible_touch(task, run, working)
+    touch = None
+    if task.may_touch:
+        touch = _possible_touch(task, run, working)
+    elif run.status == "undecidable" or any(event.kind == "graze" for event in run.events):
+        raise open_after(task, run, f"{NEAR_MISS} near t = {float(run.t_end):.15g}", working)
     if touch is not None:
         with suppress(NothingProposed):
             yield from _touching(task, touch, run)
@@ -272,7 +289,8 @@ def _statements(task: ToProve) -> Iterator[Record]:
     if run.status == "max_events":
         raise NothingProposed(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
     # The checker's sets are wider than the estimates, and it says how wide they are.
-    statement = about(task, run, [row_of(event, WIDER[0], task.digits) for event in run.events])
+    rows = [row_of(step, WIDER[0], task.digits) for step in task.steps(run)]
+    statement = about(task, run, rows)
     sets, reason = enclosed(statement)
     rows = statement["events"][: len(sets)]
     if reason:
@@ -325,7 +343,8 @@ def enclosed(
     # Nothing rests on it: the file is proven as a whole.
     source = {key: value for key, value in statement.items() if key in verify.MOTION}
     try:
-        data = verify.read(source, verify.MOTION, "trajectory")
+        shape = verify.shape_of("trajectory", source)
+        data = verify.read(source, {key: shape[key] for key in verify.MOTION}, "trajectory")
     except verify.Stop as stop:  # numbers beyond the limits of the format
         return [], stop.args[1]
     start = [data["start"][name] for name in STARTS]
@@ -368,7 +387,7 @@ def _followed(task: ToProve, digits: int, most: int | None = None, **changes: An
         run = task.run(working, most, **changes)
     if run.status == "undecidable":
         near = f"{float(run.t_end):.15g}"
-        remark = TOUCHES if task.exact else ""
+        remark = TOUCHES if task.exact and task.may_touch else ""
         raise open_after(task, run, f"{NEAR_MISS} near t = {near}", working, remark)
     if run.status == "max_events" and most is None:
         raise NothingProposed(f"what comes after {MOST_EXACT_EVENTS} events is not decided")
@@ -379,7 +398,7 @@ def open_after(
     task: ToProve, run: Trajectory, what: str, digits: int, remark: str = ""
 ) -> NothingProposed:
     """Return the exception that says what so many digits do not decide, with the events of `run`."""
-    rows = [row_of(event, EXACT_ROW, task.digits) for event in run.events]
+    rows = [row_of(step, EXACT_ROW, task.digits) for step in task.steps(run)]
     return NothingProposed(
         f"{what} is not decided with {digits} digits{remark}", about(task, run, rows)
     )
@@ -391,20 +410,22 @@ def _exact_statement(task: ToProve, finer: int) -> Record:
     digits = least
     while True:  # until the run is finer than the rows that are read off it
         run = _followed(task, digits)
-        row_digits = _row_digits(task, run, least)
+        steps = task.steps(run)
+        row_digits = _row_digits(task, run, steps, least)
         if max(row_digits, default=0) <= digits + SPARE_DIGITS // 2:
             break
         digits = max(row_digits)
     # A double zero, which enclosures cannot tell from a near miss. Without damping and drive v and
     # v' go round a circle, which is decided in rational numbers.
-    circles = task.p.c == task.p.B0 == 0 < task.p.k
+    circles = task.p.B0 == 0 < task.p.k and 0 in dampings(task.p)
     graze = next((event for event in run.events if event.kind == "graze"), None)
     if graze is not None and not circles:
         what = f"{NEAR_MISS} near t = {float(graze.t):.15g}"
-        raise open_after(task, run, what, run.digits or digits, TOUCHES)
+        remark = TOUCHES if task.may_touch else ""
+        raise open_after(task, run, what, run.digits or digits, remark)
     events = [
-        row_of(event, EXACT_ROW, digits_of_row)
-        for event, digits_of_row in zip(run.events, row_digits, strict=True)
+        row_of(step, EXACT_ROW, digits_of_row)
+        for step, digits_of_row in zip(steps, row_digits, strict=True)
     ]
     statement = about(task, run, events)
     if task.wrt:
@@ -412,12 +433,17 @@ def _exact_statement(task: ToProve, finer: int) -> Record:
     return statement
 
 
-def _row_digits(task: ToProve, run: Trajectory, least: int) -> list[int]:
-    """Return how many digits each event needs so that its time is told from that before it."""
+def dampings(p: Model) -> set[Fraction]:
+    """Return the damping in each domain or, if friction depends on the speed, in each band."""
+    return {p.law.damping(p.c, row) for row in range(len(p.law.rows))}
+
+
+def _row_digits(task: ToProve, run: Trajectory, steps: Sequence[Step], least: int) -> list[int]:
+    """Return how many digits each step needs so that its time is told from that before it."""
     digits_of_events = []
     before = task.start[0]
-    for event in run.events:
-        t = fraction(event.t)
+    for step in steps:
+        t = fraction(step.t)
         digits = 2 * least + (run.digits or 0)  # more than the run has, as they do not do
         if t > before:
             scale = max(Fraction(1), abs(t))
@@ -427,12 +453,12 @@ def _row_digits(task: ToProve, run: Trajectory, least: int) -> list[int]:
     return digits_of_events
 
 
-def row_of(event: Event, wider: float, digits: int) -> Record:
+def row_of(step: Step, wider: float, digits: int) -> Record:
     """Return an event as a row of the file: t and x within so many times their estimated errors."""
-    row: Record = {name: getattr(event, name) for name in ("kind", "boundary", "source", "target")}
+    row: Record = {name: getattr(step, name) for name in ("kind", "boundary", "source", "target")}
     for name in ("t", "x"):
-        error = getattr(event, f"{name}_error")
-        row[name] = known(around(getattr(event, name), wider * error), digits)
+        error = getattr(step, f"{name}_error")
+        row[name] = known(around(getattr(step, name), wider * error), digits)
     return row
 
 
@@ -447,7 +473,7 @@ def first_entries(task: ToProve, digits: int) -> Record:
     rational numbers.
     """
     return made_by(digits) | {
-        "parameters": task.p.as_dict(),
+        "parameters": oscillator_entry(task.p),
         "start": {name: show(value) for name, value in zip(STARTS, task.start, strict=True)},
         "start_error": [show(error) for error in task.errors],
         "t_end": show(task.t_end),
@@ -460,10 +486,11 @@ def first_entries(task: ToProve, digits: int) -> Record:
 def _derivatives(task: ToProve, run: Trajectory) -> Record:
     """Return the derivatives of all events by `task.wrt` as entries of the file, or raise NothingProposed."""
     count = len(run.events)
+    p = task.p.parameters
     _, _, v0 = task.start
     for name in task.wrt:
-        if name not in provable(task.p, v0):
-            is_on_belt = v0 in (task.p.v1, task.p.v2) and name.startswith("v")
+        if name not in provable(p, v0):
+            is_on_belt = v0 in (p.v1, p.v2) and name.startswith("v")
             where = "at resonance or where it is 0"
             if is_on_belt:
                 where = "of a start on a belt"
@@ -722,7 +749,9 @@ def certify_settled(task: ToProve, orbit: PeriodicOrbit) -> Certificate:
 
 def _settled_statements(task: ToProve, orbit: PeriodicOrbit) -> Iterator[Record]:
     """Yield files that state the events of a motion up to its arrival in a box, and a cycle."""
-    known_orbit = OrbitInDigits(task.p, orbit.labels, orbit.periods, orbit.points, SETTLED_DIGITS)
+    known_orbit = OrbitInDigits(
+        task.p.parameters, orbit.labels, orbit.periods, orbit.points, SETTLED_DIGITS
+    )
     turn = fraction(known_orbit.turn)
     left = leaving(task)
     begun = task
@@ -765,7 +794,7 @@ def leaving(task: ToProve) -> LeavingStarts | None:
     """Return when the starts on a belt have left it; None if the start is not on a belt, or the
     forces there are not 0 within its error.
     """
-    p = task.p
+    p = task.p.parameters
     t0, x0, v0 = task.start
     error_t, error_x, error_v = task.errors
     if v0 not in (p.v1, p.v2) or error_v or task.exact:

@@ -5,23 +5,31 @@ It needs python-flint and nothing of symosc (orbits and branches: verify_orbits.
 format of certificates" has the equation of motion, what each kind of file states, and the exit
 codes. Balls (arb) prove it:
 
-1. z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z in each mode, so z(t + s) = exp(s M)
-   z(t). A mode ends when a function f = row z reaches 0: the distance of v from a belt, or, on a
-   belt, F below it or -F above it.
+1. Friction is linear in v between edges, which are the speeds of belts and of the corners of
+   friction curves. So in each band between two edges, and in each stick on a belt, z = (x, v, 1,
+   cos Omega t, sin Omega t) solves z' = M z, and z(t + s) = exp(s M) z(t). Such a mode ends when a
+   function f = row z reaches 0: the distance of v from an edge or, on a belt, E + F below it or E -
+   F above it, where E is the excess of static over kinetic friction. (E = 0 and two edges for the
+   eleven parameters.)
 2. f > 0 from a to a + h if f + f' h - B h^2/2 > 0 at a and h, |f''| <= B all the way; and up to b
    as well if that is so for h = (b - a)/2, both from a onwards and from b backwards. After a start
    with f = ... = 0, f > 0 while the next derivative is > 0, which is shown in the same way. In
    flights u = f^(n) solves u'' + (c/m) u' + (k/m) u = r with
-   |r| <= D = |B0| Omega^(n+1)/m. So |u| is at most (u^2 + (m/k) u'^2)^(1/2) + h D (m/k)^(1/2) for a time h, by its
-   energy; and, with l the smaller one of h and m/c, (|u| + h |u'| + h l D)/(1 - h l k/m) if the
-   divisor is > 0. On a belt |F^(n)| <= |B0| Omega^n/m, and it changes by h |B0| Omega^(n+1)/m at
-   most; F without its drive changes by |k v| h/m.
+   |r| <= D = |B0| Omega^(n+1)/m, with the c of the band. For c < 0 it may grow, in a time h by g =
+   exp(-c h/m), else g = 1. So |u| is at most g ((u^2 + (m/k) u'^2)^(1/2) + h D (m/k)^(1/2)) for a
+   time h, by its energy; and, with l = g h, or the smaller one of h and m/c if c > 0, (|u| + g h
+   |u'| + h l D)/(1 - h l k/m) if the divisor is > 0. On a belt |F^(n)| <= |B0| Omega^n/m, and it
+   changes by h |B0| Omega^(n+1)/m at most; F without its drive changes by |k v| h/m.
 3. In an event f > 0 at one time, f < 0 at a later one, f' < 0 between them. The other f is a
-   constant less this one, so it grows. F on both sides of the belt says what follows.
-4. A graze: for all starts from low to high f > 0 > f' at one time, f > 0 and f' > 0 at a later one,
-   and f'' > 0 between them. The least f is > 0 for one of low and high, < 0 for the other, and its
-   derivative by the start (that of f) is not 0: one start touches. If c = B0 = 0, v^2 + v'^2 m/k is
-   constant: if it is the belt's speed squared, f = 0 at a least f, as v is not beyond that speed.
+   constant less this one, so it grows. Where a flight meets a belt with F > 0 (it comes from
+   below), it crosses if F above > E, and else sticks; at F above = E it sticks if that force then
+   falls. A stick ends in a flight with F = -E below or E above the belt. An edge without belt is
+   crossed.
+4. A graze of a belt with E = 0 (another one holds what touches it): for all starts from low to high
+   f > 0 > f' at one time, f > 0 and f' > 0 at a later one, and f'' > 0 between them. The least f is
+   > 0 for one of low and high, < 0 for the other, and its derivative by the start (that of f) is
+   not 0: one start touches. If c = B0 = 0, v^2 + v'^2 m/k is constant: if it is the belt's speed
+   squared, f = 0 at a least f, as v is not beyond that speed; and it says v'^2 at a belt exactly.
 5. With a start_error the states after an event are f(centre) + D (start - centre), D the
    derivatives of all starts.
 6. "settled": let B be the box of the first event of `cycle`, c its middle, e its half-widths, P the
@@ -49,6 +57,7 @@ import json
 import os
 import re
 import sys
+from bisect import bisect_right
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
@@ -58,6 +67,10 @@ from typing import Any, NamedTuple
 from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 
 FORMAT = "symosc certificate 1"
+KINDS_OF_EVENTS = {"cross", "stick", "slip", "graze"}
+CORNER = "corner"
+# The most belts of a friction law.
+MOST_BELTS = 50
 NUMBER = re.compile(r"-?\d{1,2000}(/\d{1,2000}|(\.\d{1,2000})?(e[+-]?\d{1,3})?)", re.ASCII)
 NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
 START = ("t0", "x0", "v0")
@@ -180,14 +193,6 @@ def read(value, shape, where):
     return shape(value, where)
 
 
-def mode_number(value, where):
-    """Read a mode's name, Omega1 to Omega3 or belt1 or belt2, as its number from 1 to 5.
-
-    `where` names the entry.
-    """
-    return MODES.index(read(value, set(MODES[1:]), where))
-
-
 def optional(value, where):
     """Read a number or, if the entry of the file is null, return None; `where` names the entry."""
     if value is None:
@@ -196,22 +201,27 @@ def optional(value, where):
 
 
 WHAT = {
-    "kind": {"cross", "stick", "slip", "graze"},
+    "kind": KINDS_OF_EVENTS,
     "boundary": {1, 2},
-    "source": mode_number,
-    "target": mode_number,
+    "source": set(MODES[1:]),
+    "target": set(MODES[1:]),
 }
-EVENTS = [WHAT | {"t": interval, "x": interval}]
+ENCLOSED = {"t": interval, "x": interval}
+EVENTS = [WHAT | ENCLOSED]
 MOTION = {
     "parameters": dict.fromkeys(NAMES, number),
     "start": dict.fromkeys(START, number),
     "t_end": number,
 }
-MOTION |= {"start_error": (number,) * 3, "mode": mode_number, "events": EVENTS}
+MOTION |= {"start_error": (number,) * 3, "mode": set(MODES[1:]), "events": EVENTS}
+ALL_STARTS = {"starts": {"all"}}
+SOME_STARTS = {
+    "starts": {"some"},
+    "free": {"name": set(START), "low": number, "high": number},
+}
 SHAPES = {
-    "trajectory": MOTION | {"starts": {"all"}},
-    "some": MOTION
-    | {"starts": {"some"}, "free": {"name": set(START), "low": number, "high": number}},
+    "trajectory": MOTION | ALL_STARTS,
+    "some": MOTION | SOME_STARTS,
     "settled": MOTION
     | {"may_stick_until": optional, "cycle": EVENTS, "periods": int, "count": int, "last": EVENTS},
     "window": {
@@ -224,79 +234,274 @@ SHAPES = {
 }
 CHANGES = {"wrt": [{*NAMES, *START}], "derivatives": [{"dt": [interval], "dx": [interval]}]}
 SHAPES["derivatives"] = SHAPES["trajectory"] | CHANGES
+# A law of any belts, in place of the eleven parameters, and the shapes of the files about it; these
+# depend on how many belts there are.
+BELT = {"v": number, "curve": [(number, number)], "slope": number, "mu_s": number}
+LAW = dict.fromkeys(("m", "c", "k", "A0", "B0", "Omega", "FN"), number) | {"belts": [BELT]}
+
+
+def law_what(belts):
+    """Return the shape of the first entries of an event, by the number of belts of a law."""
+    names = {f"Omega{n}" for n in range(1, belts + 2)} | {f"belt{n}" for n in range(1, belts + 1)}
+    return {
+        "kind": KINDS_OF_EVENTS | {CORNER},
+        "boundary": int,
+        "source": names,
+        "target": names,
+    }
+
+
+def law_motion(what):
+    """Return the shape of a motion of a law, given that of the first entries of an event."""
+    return MOTION | {"parameters": LAW, "mode": what["source"], "events": [what | ENCLOSED]}
+
+
+LAW_SHAPES = {
+    "trajectory": lambda what: law_motion(what) | ALL_STARTS,
+    "some": lambda what: law_motion(what) | SOME_STARTS,
+}
 
 
 # -- motions ---------------------------------------------------------------------------------------
 
 
+class StatedEdge(NamedTuple):
+    """A speed `v` at which friction jumps, or its slope: that of a belt, or of a corner.
+
+    `belt` is the number of the belt, 0 at a corner; `excess` is by how much static friction exceeds
+    kinetic friction, as an acceleration.
+    """
+
+    v: Any
+    belt: int
+    excess: Any
+
+
+class StatedBand(NamedTuple):
+    """Between two edges m x'' + c x' + k x = A + B0 cos(Omega t), in a domain between two belts."""
+
+    c: Any
+    A: Any
+    domain: int
+
+
+class StatedLaw:
+    """The friction law that parameters state: edges in order of speed, and the bands between them.
+
+    Edge i, from 1 on, is between bands i and i + 1. `belts` and `corners` have the edges of these.
+    """
+
+    def __init__(self, p):
+        belts = belts_of(p)
+        speeds = [belt["v"] for belt in belts]
+        corners = {
+            belt["v"] + side * w for belt in belts for w, _ in belt["curve"][1:] for side in (1, -1)
+        }
+        places = sorted(corners.union(speeds))
+        bands = [band_between(p, *ends) for ends in pairwise([None, *places, None])]
+        self.edges: list[Any] = [None]
+        self.bands: list[Any] = [None, bands[0]]
+        self.belts: list[int] = []
+        self.corners: list[int] = []
+        for speed, band in zip(places, bands[1:], strict=True):
+            if speed in speeds:
+                belt = belts[speeds.index(speed)]
+                (_, mu) = belt["curve"][0]
+                excess = (belt["mu_s"] - mu) * p["FN"] / p["m"]
+                edge = StatedEdge(speed, speeds.index(speed) + 1, excess)
+            elif band == self.bands[-1]:  # one equation on both sides: this is no corner
+                continue
+            else:
+                edge = StatedEdge(speed, 0, fmpq(0))
+            numbers = self.belts if edge.belt else self.corners
+            numbers.append(len(self.edges))
+            self.edges.append(edge)
+            self.bands.append(band)
+
+    @property
+    def last(self):
+        """The number of the last band, which is also that of all bands."""
+        return len(self.bands) - 1
+
+    def band_of(self, v):
+        """Return the number of the band of a velocity that is not the speed of an edge."""
+        return 1 + sum(v > edge.v for edge in self.edges[1:])
+
+    def edge_of(self, v):
+        """Return the number of the edge with the speed v, 0 if there is none."""
+        return next((i for i, edge in enumerate(self.edges[1:], 1) if edge.v == v), 0)
+
+    def name(self, number):
+        """Return the name of the mode with a number: a band, or a stick at an edge, behind the bands."""
+        if number <= self.last:
+            return f"Omega{self.bands[number].domain}"
+        return f"belt{self.edges[number - self.last].belt}"
+
+
+def belts_of(p):
+    """Return the belts of a law; those of the eleven parameters have friction that is constant."""
+    if "belts" in p:
+        return p["belts"]
+    return [
+        {"v": p[f"v{n}"], "curve": [(fmpq(0), mu)], "slope": fmpq(0), "mu_s": mu}
+        for n, mu in ((1, p["mu1"]), (2, p["mu2"]))
+    ]
+
+
+def band_between(p, below, above):
+    """Return the `StatedBand` between the speeds of two edges next to each other (None: there is none)."""
+    if below is None:
+        inside = above - 1
+    elif above is None:
+        inside = below + 1
+    else:
+        inside = (below + above) / 2
+    c = p["c"]
+    A = p["A0"]
+    domain = 1
+    for belt in belts_of(p):
+        speed = belt["v"]
+        if inside > speed:
+            side = -1
+            domain += 1
+        else:
+            side = 1
+        # The force of the belt is side FN (mu + slope w), and w = side (speed - v).
+        mu, slope = friction_line(belt, side * (speed - inside))
+        c += p["FN"] * slope
+        A += p["FN"] * (side * mu + slope * speed)
+    return StatedBand(c, A, domain)
+
+
+def friction_line(belt, w):
+    """Return the numbers a and b of a belt's friction a + b w in the part of its curve that has w."""
+    points = belt["curve"]
+    i = bisect_right(points, w, key=lambda point: point[0]) - 1
+    (begin, mu) = points[i]
+    slope = belt["slope"]
+    if i + 1 < len(points):
+        (end, next_mu) = points[i + 1]
+        slope = (next_mu - mu) / (end - begin)
+    return mu - slope * begin, slope
+
+
+def check_range(p):
+    """Raise Stop unless the numbers of an oscillator are within the model."""
+    least = min(p[name] for name in ("c", "k", "FN"))
+    right = min(p["m"], p["Omega"]) > 0 <= least
+    belts = belts_of(p)
+    for belt in belts:
+        ws = [w for w, _ in belt["curve"]]
+        right = right and ws[:1] == [0] and all(a < b for a, b in pairwise(ws))
+        right = right and min(mu for _, mu in belt["curve"]) >= 0
+        right = right and belt["slope"] >= 0 and belt["mu_s"] >= belt["curve"][0][1]
+    right = right and all(a["v"] < b["v"] for a, b in pairwise(belts))
+    what = "m, Omega > 0; c, k, FN and friction >= 0; belts in order of speed, static friction not"
+    check(right, f"parameters out of range: {what} below kinetic friction", BAD)
+
+
 class StatedOscillator:
-    """An oscillator: its parameters `p`, its modes by their number, and the limits of the work
-    spent on a proof.
+    """An oscillator: its parameters `p`, its friction law, its modes by their number, and the limits
+    of the work spent on a proof.
     """
 
     def __init__(self, p, limits):
-        least = min(p[name] for name in ("c", "k", "mu1", "mu2", "FN"))
-        right = min(p["m"], p["Omega"], p["v2"] - p["v1"]) > 0 <= least
-        check(right, "parameters out of range: m, Omega > 0; c, k, mu1, mu2, FN >= 0; v1 < v2", BAD)
+        check_range(p)
         self.p = p
+        self.law = StatedLaw(p)
         self.limits = limits
-        self.mode = cache(lambda i: Mode(p, i))
+        self.mode = cache(lambda i: Mode(p, self.law, i))
 
     def step(self, count=1):
         """Add `count` steps to the work done; raise Stop if that is more than the limit."""
         self.limits["left"] -= max(1, count) * max(1, ctx.prec // FIRST_BITS)
         check(self.limits["left"] > 0, f"more than {self.limits['steps']} steps (--steps)")
 
+    def edge(self, row):
+        """Return the number of the edge of a row of the file: of a belt, or of a corner."""
+        numbers = self.law.belts
+        if row["kind"] == CORNER:
+            numbers = self.law.corners
+        known = 0 < row["boundary"] <= len(numbers)
+        check(known, "an event at a belt or a corner that there is not")
+        return numbers[row["boundary"] - 1]
+
+    def amplitude_of_slip(self, edge, band):
+        """Return the `amplitude` of a motion that slips from a belt into a band, None if it is not
+        constant: v' is the excess of static friction in size.
+        """
+        if not self.circles(self.mode(band)):
+            return None
+        (v, _, excess) = self.law.edges[edge]
+        return v**2 + excess**2 * self.p["m"] / self.p["k"]
+
+    def circles(self, mode):
+        """Return whether v and v' go round an ellipse in a mode: it flies without damping and drive."""
+        return mode.flies and self.law.bands[mode.number].c == self.p["B0"] == 0 < self.p["k"]
+
 
 class Mode:
     """A mode of motion: the state z = (x, v, 1, cos Omega t, sin Omega t) solves z' = M z, until a
     function f is 0.
 
-    Each f is a row times z: the distance of v from a belt or, on a belt, the force F below it or -F
-    above it. The products rows[n] z are the n-th derivatives of all f.
+    Each f is a row times z: the distance of v from an edge or, on a belt, the force F below it plus
+    the excess of static friction, or that excess less the force F above it. The products rows[n] z
+    are the n-th derivatives of all f. `ends` are the edges of a flight, or the bands into which a
+    stick ends.
     """
 
     # a bound of the steady velocity, if there is one; `free` is then the row of v less the steady
     # one
     steady = None
 
-    def __init__(self, p, number):
-        m, c, k, A0, B0, Om, *_, mu1, mu2, FN = (p[name] for name in NAMES)
-        # The rows of F in the domains: Omega1 is below both belts, Omega3 above both.
-        friction = {1: mu1 + mu2, 2: mu2 - mu1, 3: -mu1 - mu2}
-        F = {i: [-k / m, -c / m, (A0 + friction[i] * FN) / m, B0 / m, fmpq(0)] for i in friction}
+    def __init__(self, p, law, number):
+        m, k, B0, Om = (p[name] for name in ("m", "k", "B0", "Omega"))
+
+        def force(band):
+            """Return the row of F = v' in a band."""
+            (c, A, _) = law.bands[band]
+            return [-k / m, -c / m, A / m, B0 / m, fmpq(0)]
+
         self.number = number
-        self.flies = number < 4
-        if self.flies:  # the distance from each belt around the domain
-            sides = ((number - 1, 1), (number, -1))
+        self.name = law.name(number)
+        self.flies = number <= law.last
+        if self.flies:  # the distance from each edge around the band
             rows = {
-                belt: [0, side, -side * p[f"v{belt}"], 0, 0]
-                for belt, side in sides
-                if belt in (1, 2)
+                edge: [0, side, -side * law.edges[edge].v, 0, 0]
+                for edge, side in ((number - 1, 1), (number, -1))
+                if 0 < edge < law.last
             }
-        else:  # F below the belt, and -F above it, by the domain into which the mass then slips
-            below = number - 3
-            above = number - 2
-            rows = {below: F[below], above: [-entry for entry in F[above]]}
+            F = force(number)
+            c = law.bands[number].c
+        else:  # by the band into which the mass then slips
+            edge = number - law.last
+            excess = law.edges[edge].excess
+            held = [0, 0, excess, 0, 0]
+            rows = {
+                edge: [f + e for f, e in zip(force(edge), held, strict=True)],
+                edge + 1: [e - f for f, e in zip(force(edge + 1), held, strict=True)],
+            }
+            F = [0] * 5
+            c = fmpq(0)
         self.ends = list(rows)
         self.row = fmpq_mat(list(rows.values()))
-        self.exact = fmpq_mat(
-            [[0, 1, 0, 0, 0], F.get(number, [0] * 5), [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]]
-        )
+        self.exact = fmpq_mat([[0, 1, 0, 0, 0], F, [0] * 5, [0, 0, 0, 0, -Om], [0, 0, 0, Om, 0]])
         self.M = arb_mat(self.exact)
         # rows[n] of the n-th derivative, drive[n] a bound of that of the drive; `lag` is m/c.
         self.rows = [arb_mat(self.row * self.exact**order) for order in range(ORDERS)]
         self.km = arb(k / m)
-        if c:
+        if c > 0:
             self.lag = arb(m / c)
         else:
             self.lag = arb.pos_inf()
+        # what is without damping, or grows: the rate at which it may grow
+        self.growth = arb(max(-c, fmpq(0)) / m)
         self.drive = [arb(abs(B0) * Om**order / m) for order in range(ORDERS + 1)]
         pull = k - m * Om * Om
         drag = c * Om
         square = pull * pull + drag * drag
-        # The steady motion is the answer to the drive; a flight tends to it where k > 0.
-        if self.flies and k > 0 and square > 0:
+        # The steady motion is the answer to the drive; a flight tends to it where k > 0 and c >= 0.
+        if self.flies and k > 0 and square > 0 and c >= 0:
             self.steady = arb(abs(B0) * Om) / arb(square).sqrt()
             self.free = arb_mat(
                 fmpq_mat([[0, 1, 0, -B0 * Om * drag / square, B0 * Om * pull / square]])
@@ -309,15 +514,17 @@ class Mode:
         # All f of a mode have the same derivatives but for the sign: f^(n) and f^(n+1) at z.
         u, u_slope = (abs((rows * z)[0, 0]).upper() for rows in self.rows[n : n + 2])
         D = self.drive[n + 1]
-        lag = h.min(self.lag)  # l in 2 above, as `divisor` and both bounds
         if not self.flies:
             return self.drive[n].min(u + h * D)
+        grown = (h * self.growth).exp()  # g in 2 above
+        lag = grown * h.min(self.lag)  # l in 2 above, as `divisor` and both bounds
         divisor = 1 - h * lag * self.km
         by_energy = arb.pos_inf()
         if self.km > 0:
             by_energy = (u * u + u_slope * u_slope / self.km).sqrt() + h * D / self.km.sqrt()
+            by_energy = grown * by_energy
         if divisor > 0:
-            return by_energy.min((u + h * u_slope + h * lag * D) / divisor)
+            return by_energy.min((u + grown * h * u_slope + h * lag * D) / divisor)
         return by_energy
 
     def settles(self, z):
@@ -402,14 +609,16 @@ class VerifiedMotion:
     # if there is a `rest` of sides, exact numbers near them, so that the set of a long motion does
     # not grow by what is not known of the derivatives. `leaves` are the ends whose f is 0 at the
     # start, and the order of the first derivative that is not. `amplitude` is v^2 + v'^2 m/k, where
-    # that is constant and known.
+    # that is constant and known. `rests` is True where the mass surely rests on a belt for ever.
+
+    rests = False
 
     def __init__(
-        self, problem, mode, belt, centre, columns=(), leaves=None, amplitude=None, rest=None
+        self, problem, mode, edge, centre, columns=(), leaves=None, amplitude=None, rest=None
     ):
         self.problem = problem
         self.mode = problem.mode(mode)
-        self.belt = belt
+        self.edge = edge
         self.centre = centre
         self.columns = columns
         self.rest = rest
@@ -431,9 +640,8 @@ class VerifiedMotion:
         # By Taylor's theorem: where F is small, so is its error.
         self.z0 = self.first + rate * back + bend * (back * back / 2)
         # After a graze (f = f' = 0) v' is 0 at the belt's speed: the amplitude is its square.
-        circles = p["c"] == p["B0"] == 0 < p["k"]
-        if circles and max(self.leaves.values(), default=0) > 1:
-            self.amplitude = p[f"v{belt}"] ** 2
+        if problem.circles(self.mode) and max(self.leaves.values(), default=0) > 1:
+            self.amplitude = problem.law.edges[edge].v ** 2
         else:
             self.amplitude = amplitude
 
@@ -471,6 +679,8 @@ class VerifiedMotion:
         > 0.
         """
         require(until - self.t, "an event or the end is not after the event before it")
+        if self.rests:
+            return
         a = self.origin
         orders = self.leaves  # of the first step alone: from then on all f are > 0
         last = self.at(until)
@@ -534,60 +744,91 @@ class VerifiedMotion:
         if row["kind"] == "graze":
             return self.graze(row, limits)
         mode = self.mode
+        law = self.problem.law
+        edge = self.problem.edge(row)
         if mode.flies:
-            end = row["boundary"]
-            belt = end
+            end = edge
             check(end in mode.ends, "an event at a belt that is not beside the domain")
             once = "that v meets a belt once at an event"
         else:
-            end = row["target"]
-            belt = self.belt
+            bands = {law.name(band): band for band in mode.ends}
             check(
-                end in mode.ends and row["boundary"] == self.belt,
-                "the end of a stick on another belt",
+                row["target"] in bands and edge == self.edge, "the end of a stick on another belt"
             )
+            edge = self.edge
+            end = bands[row["target"]]
             once = "that F meets 0 once at the end of a stick"
         around = self.around(end, row, -1)
         (_, slope, _) = around.during
         require(-slope, once)
         when = self.zero(end, 0, around.times)
-        starts = self.arrive(end, belt, when)
+        starts = self.arrive(end, edge, when)
+        amplitude = None
         if mode.flies:
-            kind, then, leaves = self.follows(end, starts)
+            kind, then, leaves = self.follows_exactly(edge) or self.follows(edge, starts)
         else:
             kind = "slip"
             then = end
-            leaves = {belt: 2}
+            leaves = {edge: order_of_leaving(law.edges[edge], 1)}
+            amplitude = self.problem.amplitude_of_slip(edge, then)
         self.require_row(row, kind, then)
         return type(self)(
             self.problem,
             then,
-            belt,
+            edge,
             starts.centre,
             starts.columns,
             leaves=leaves,
+            amplitude=amplitude,
             rest=starts.rest,
         )
 
-    def follows(self, belt, starts):
-        """Return what follows where a flight meets a belt: the kind of event, the next mode, and
+    def follows_exactly(self, edge):
+        """Return what follows where a flight meets an edge with exactly the force up to which the
+        belt holds; None if it has another one, or is not known so well.
+        """
+        mode = self.mode
+        law = self.problem.law
+        if self.amplitude is None or not self.problem.circles(mode):
+            return None
+        beyond = 2 * edge + 1 - mode.number
+        onward = 1 if mode.number == edge else -1
+        v = law.edges[edge].v
+        # How large F is that the other side of the edge and static friction just hold.
+        (here, there) = (law.bands[band] for band in (mode.number, beyond))
+        drop = onward * ((here.A - here.c * v) - (there.A - there.c * v)) / self.problem.p["m"]
+        limit = drop + law.edges[edge].excess
+        square = (self.amplitude - v * v) * self.problem.p["k"] / self.problem.p["m"]
+        if square != limit * limit or v == 0:
+            return None
+        # From now on the spring pulls more by k v, if the mass sticks.
+        if onward * v > 0:
+            return Next("stick", law.last + edge, {beyond: 1})
+        return Next("cross", beyond, {edge: order_of_leaving(law.edges[edge], 1)})
+
+    def follows(self, edge, starts):
+        """Return what follows where a flight meets an edge: the kind of event, the next mode, and
         its `leaves`.
         """
-        p = self.problem.p
         mode = self.mode
+        law = self.problem.law
         there = VerifiedMotion(
-            self.problem, mode.number, belt, starts.centre, starts.columns, rest=starts.rest
+            self.problem, mode.number, edge, starts.centre, starts.columns, rest=starts.rest
         ).first
-        # F on this side of the belt, and behind it, where friction is the other way round. If both
-        # have one sign the mass crosses, from one of the domains beside the belt, whose numbers
-        # are `belt` and `belt + 1`, into the other.
-        F = (mode.M * there)[V, 0]
-        jump = arb(2 * p[f"mu{belt}"] * p["FN"] / p["m"])
-        both = F * (F - jump if mode.number == belt else F + jump)
+        # F on this side of the edge, and on the other side, where friction is another one. If both
+        # push the mass on, and the latter more than the excess of static friction holds it back,
+        # the mass crosses, from one of the bands beside the edge, whose numbers are `edge` and
+        # `edge + 1`, into the other.
+        beyond = 2 * edge + 1 - mode.number
+        onward = 1 if mode.number == edge else -1
+        F = onward * (mode.M * there)[V, 0]
+        F_beyond = onward * (self.problem.mode(beyond).M * there)[V, 0]
+        both = F * (F_beyond - arb(law.edges[edge].excess))
         require(abs(both), "F at a belt, and behind it")
         if both > 0:
-            return Next("cross", 2 * belt + 1 - mode.number, {belt: 1})
-        return Next("stick", 3 + belt, {})
+            kind = "cross" if law.edges[edge].belt else CORNER
+            return Next(kind, beyond, {edge: 1})
+        return Next("stick", law.last + edge, {})
 
     def around(self, end, row, turn):
         """Return a ball of times around an event and its f (`Around`), of which the signs are
@@ -611,11 +852,11 @@ class VerifiedMotion:
         self.positive(low)
         return Around(low.union(high), first, last, self.f(end, low.union(high)))
 
-    def arrive(self, end, belt, when):
+    def arrive(self, end, edge, when):
         """Return the set of the states (t, x, v), at times in `when`, in which the mode ends: the
         function f of that end is 0.
         """
-        v = arb(self.problem.p[f"v{belt}"])
+        v = arb(self.problem.law.edges[edge].v)
         sides = []
         (_, slope, _) = self.f(end, when)
         i = self.mode.ends.index(end)
@@ -625,7 +866,7 @@ class VerifiedMotion:
             dt = -(self.mode.rows[0] * dz)[i, 0] / slope
             sides.append((dt, dz[X, 0] + v * dt, arb(0)))
         columns = sides[:count]
-        thin = VerifiedMotion(self.problem, self.mode.number, self.belt, self.centre)
+        thin = VerifiedMotion(self.problem, self.mode.number, self.edge, self.centre)
         t = thin.zero(end, 0, when)
         x = thin.at(t)[X, 0]
         centre = t, x, v
@@ -646,10 +887,14 @@ class VerifiedMotion:
 
         If only one start grazes, `limits` has the motions from the lowest and the highest start.
         """
-        end = row["boundary"]
+        end = self.problem.edge(row)
         mode = self.mode
         check(mode.flies and end in mode.ends, "a graze of a belt that is not beside the domain")
-        speed = self.problem.p[f"v{end}"]
+        speed = self.problem.law.edges[end].v
+        check(
+            self.problem.law.edges[end].excess == 0,
+            "a graze of a belt with static friction, which holds what touches it",
+        )
         check(limits or self.amplitude == speed**2, "a graze of no start")
         around = self.around(end, row, 1)
         times = around.times
@@ -696,10 +941,8 @@ class VerifiedMotion:
         mode `then`.
         """
         stated = row["kind"], row["source"], row["target"]
-        check(
-            stated == (kind, self.mode.number, then),
-            f"{kind}: {MODES[self.mode.number]} to {MODES[then]}",
-        )
+        then = self.problem.law.name(then)
+        check(stated == (kind, self.mode.name, then), f"{kind}: {self.mode.name} to {then}")
 
     def within(self, row):
         """Prove that t and x of the start lie between the ends stated in a row of the file.
@@ -717,6 +960,16 @@ class VerifiedMotion:
             for factor, column in zip(factors, self.columns, strict=True)
         ]
         return [sum((column[i] for column in moved), c) for i, c in enumerate(self.centre[:2])]
+
+
+def order_of_leaving(edge, order):
+    """Return the order of the first derivative of the distance from an edge that is not 0 when the
+    mass leaves it, given that of the force that no longer holds it.
+    """
+    # F is v': v leaves one order later; but where static friction ends F is its excess.
+    if edge.excess > 0:
+        return 1
+    return order + 1
 
 
 def frame(sides):
@@ -741,6 +994,7 @@ def begin(problem, start, errors, rest=None):
     """
     (t0, x0, v0) = start
     p = problem.p
+    law = problem.law
     centre = [arb(value) for value in start]
     columns = [
         [arb(error) if i == j else arb(0) for j in range(3)]
@@ -748,35 +1002,45 @@ def begin(problem, start, errors, rest=None):
         if error
     ]
     z = fmpq_mat([[x0], [v0], [1], [1], [0]])  # where t0 or B0 is 0
-    # Off the belts the domain follows from v: it is 1, and more by each belt that is slower.
-    if v0 not in (p["v1"], p["v2"]):
-        mode = problem.mode(1 + (v0 > p["v1"]) + (v0 > p["v2"]))
-        circles = not any(errors) and p["c"] == p["B0"] == 0 < p["k"]
-        if circles:
+    edge = law.edge_of(v0)
+    # Off the edges the band follows from v.
+    if not edge:
+        mode = problem.mode(law.band_of(v0))
+        if not any(errors) and problem.circles(mode):
             amplitude = v0**2 + (mode.exact * z)[V, 0] ** 2 * p["m"] / p["k"]
         else:
             amplitude = None
         return VerifiedMotion(
             problem, mode.number, 0, centre, columns, leaves={}, amplitude=amplitude, rest=rest
         )
-    check(errors[2] == 0, "a start on a belt whose velocity is known exactly")
-    if v0 == p["v1"]:
-        belt = 1
-    else:
-        belt = 2
+    check(errors[2] == 0, "a start on a belt or corner whose velocity is known exactly")
     exact_state = z if not any(errors) and (t0 == 0 or p["B0"] == 0) else None
-    below, above = forces_at_start(problem, belt, centre, columns, exact_state)
-    # It sticks; or slips into the domain below, whose number is that of the belt; or into that above.
+    below, above = forces_at_start(problem, edge, centre, columns, exact_state)
+    # It sticks; or slips into the band below, whose number is that of the edge; or into that above.
     if below.holds and above.holds:
-        mode = 3 + belt
-        leaves = {belt + i: force.order for i, force in enumerate((below, above)) if force.order}
-    elif not below.holds:
-        mode = belt
-        leaves = {belt: below.order + 1}  # F is v': v leaves the belt by one order later
+        mode = law.last + edge
+        leaves = {edge + i: force.order for i, force in enumerate((below, above)) if force.order}
     else:
-        mode = belt + 1
-        leaves = {belt: above.order + 1}
-    return VerifiedMotion(problem, mode, belt, centre, columns, leaves=leaves, rest=rest)
+        mode = edge
+        order = below.order
+        if below.holds:
+            mode = edge + 1
+            order = above.order
+        leaves = {edge: order_of_leaving(law.edges[edge], order)}
+    motion = VerifiedMotion(problem, mode, edge, centre, columns, leaves=leaves, rest=rest)
+    motion.rests = v0 == 0 and not any(errors) and rests_at(motion.mode, x0)
+    return motion
+
+
+def rests_at(mode, x):
+    """Return whether a mass that sticks at x on a belt at rest is held for ever: no force f falls
+    below 0, whatever the drive does.
+    """
+    if mode.flies:
+        return False
+    row = mode.row
+    least = [row[i, X] * x + row[i, ONE] - abs(row[i, COS]) for i in range(len(mode.ends))]
+    return min(least) >= 0
 
 
 class HoldingForce(NamedTuple):
@@ -788,13 +1052,13 @@ class HoldingForce(NamedTuple):
     order: int
 
 
-def forces_at_start(problem, belt, centre, columns, exact_state):
-    """Return the `HoldingForce` of F below a belt, and that of -F above it, at a start on the belt.
+def forces_at_start(problem, edge, centre, columns, exact_state):
+    """Return the `HoldingForce` of F below an edge, and that of -F above it, at a start on the edge.
 
     `exact_state` is z if it is rational: then a force may be exactly 0.
     """
-    hold = problem.mode(3 + belt)
-    stuck = VerifiedMotion(problem, 3 + belt, belt, centre, columns).first
+    hold = problem.mode(problem.law.last + edge)
+    stuck = VerifiedMotion(problem, hold.number, edge, centre, columns).first
     forces = []
     for i in (0, 1):
         order = 0
@@ -814,15 +1078,11 @@ def leave(problem, start, errors, until):
     """
     (t0, _, v0) = start
     (error_t, error_x, error_v) = errors
-    p = problem.p
-    if v0 == p["v1"]:
-        belt = 1
-    else:
-        belt = 2
+    law = problem.law
+    edge = law.edge_of(v0)
     after = until - t0 - error_t
     check(
-        v0 in (p["v1"], p["v2"]) and error_v == 0 and after > 0,
-        "a start on a belt, and a time after it",
+        edge in law.belts and error_v == 0 and after > 0, "a start on a belt, and a time after it"
     )
 
     def motion(mode, t, x, leaves=None):
@@ -831,11 +1091,11 @@ def leave(problem, start, errors, until):
         """
         columns = [(arb(t), arb(0), arb(0)), (arb(0), arb(x), arb(0))]
         centre = [arb(value) for value in start]
-        return VerifiedMotion(problem, mode, belt, centre, columns, leaves)
+        return VerifiedMotion(problem, mode, edge, centre, columns, leaves)
 
     # How far from `start` t and x may be up to `until`, while the mass sticks.
     until_then = until - t0, error_x + abs(v0) * (until - t0 + error_t)
-    hold = problem.mode(3 + belt)
+    hold = problem.mode(law.last + edge)
     F = hold.rows[0] * motion(hold.number, error_t, error_x).first
     state_then = motion(hold.number, *until_then).first
     F_then = hold.rows[0] * state_then
@@ -849,7 +1109,7 @@ def leave(problem, start, errors, until):
     require(-slope[i, 0], "F on the belt that falls")
     require(F_then[1 - i, 0], "F on the other side of the belt")
     require(-F[i, 0] - slope[i, 0] * arb(after), "the end of a stick before the time stated")
-    return motion(belt + i, *until_then, {belt: 2})
+    return motion(edge + i, *until_then, {edge: order_of_leaving(law.edges[edge], 1)})
 
 
 # -- what the files state --------------------------------------------------------------------------
@@ -859,7 +1119,15 @@ def about(p, *more):
     """Return the line of the answer that says what a proof is about: the parameters `p`, and the
     texts in `more`.
     """
-    return ", ".join([f"{name} = {p[name]}" for name in NAMES] + list(more))
+    names = [name for name in NAMES if name in p]
+    belts = []
+    for n, belt in enumerate(p.get("belts", ()), 1):
+        points = " ".join(f"({w}, {mu})" for w, mu in belt["curve"])
+        numbers = [f"{name} = {belt[name]}" for name in ("v", "slope", "mu_s")]
+        belts.append(f"belt {n} with {', '.join(numbers)} and mu = {points}")
+    if belts:
+        belts = [f"belts = {'; '.join(belts)}"]
+    return ", ".join([f"{name} = {p[name]}" for name in names] + belts + list(more))
 
 
 def what(row):
@@ -871,7 +1139,12 @@ def table(rows):
     """Yield each event of a file as a line of text: kind, belt, modes, ends of t and x."""
     for i, row in enumerate(rows, 1):
         ends = [f"{row[name][0]} < {name} < {row[name][1]}" for name in "tx" if name in row]
-        yield "; ".join(["{}: {} at belt {}, {} to {}".format(i, *what(row)), *ends])
+        kind, boundary, *modes = what(row)
+        if kind == CORNER:
+            event = f"corner {boundary}"
+        else:
+            event = f"{kind} at belt {boundary}"
+        yield "; ".join(["{}: {}, {} to {}".format(i, event, *modes), *ends])
 
 
 def table_of_derivatives(rows, names):
@@ -907,15 +1180,17 @@ def varied(problem, number, name):
         return fmpq_mat(5, 5), fmpq_mat(2, 5)
     p = problem.p
     # M and the rows are linear in each parameter but m, and in 1/m: differences from a changed
-    # parameter are exact derivatives, for m (made 2m, where 1/m is halved) after a factor.
+    # parameter are exact derivatives, for m (made 2m, where 1/m is halved) after a factor. Belts
+    # stay in order of speed.
     if name == "m":
         by = p["m"]
         factor = 2 / p["m"]
     else:
-        by = fmpq(1)
-        factor = fmpq(1)
+        by = (p["v2"] - p["v1"]) / 2
+        factor = 1 / by
     mode = problem.mode(number)
-    other = Mode(p | {name: p[name] + by}, number)
+    changed = p | {name: p[name] + by}
+    other = Mode(changed, StatedLaw(changed), number)
     return (other.exact - mode.exact) * factor, (other.row - mode.row) * factor
 
 
@@ -946,8 +1221,9 @@ def changes(problem, motions, rows, name):
         ]
         z_by = derivative_of_state(mode.M, M_by, z_by_at_start, z, after.t - motion.t)
         belt = row["boundary"]
-        speed = problem.p[f"v{belt}"]
-        i = mode.ends.index(belt if mode.flies else row["target"])
+        edge = problem.edge(row)
+        speed = problem.law.edges[edge].v
+        i = mode.ends.index(edge if mode.flies else after.mode.number)
         z_then = arb_mat([[after.x], [speed], [1], [after.first[COS, 0]], [after.first[SIN, 0]]])
         slope = (mode.rows[1] * z_then)[i, 0]
         require(abs(slope), "the slope at an event")
@@ -1046,7 +1322,7 @@ def trajectory(data, source, limits):
         begin(problem, start, errors, None if i == 0 < len(starts) - 1 else [])
         for i, (start, errors) in enumerate(starts)
     ]
-    check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
+    check(data["mode"] == motion.mode.name, f"the motion begins in {motion.mode.name}")
     motions = [motion]
     for row in data["events"]:
         motion = motion.after_event(row, others).within(row)
@@ -1057,13 +1333,15 @@ def trajectory(data, source, limits):
         motions.append(motion)
     check(not others, "a graze that only one start has, and no graze is stated")
     motion.positive(arb(data["t_end"]).upper())
-    count = len(data["events"])
+    corners = sum(row["kind"] == CORNER for row in data["events"])
+    count = len(data["events"]) - corners
     lines = []
     if "wrt" in data:
         differentiated(problem, data, motions)
         suffix = f", with derivatives by {', '.join(data['wrt'])}"
         lines = list(table_of_derivatives(source["derivatives"], data["wrt"]))
-    first = f"{count} event{'s' * (count != 1)} until t = {source['t_end']}{suffix}"
+    between = f" and {corners} corner{'s' * (corners != 1)}" if corners else ""
+    first = f"{count} event{'s' * (count != 1)}{between} until t = {source['t_end']}{suffix}"
     return [first, shown, *table(source["events"]), *lines]
 
 
@@ -1086,14 +1364,17 @@ def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
     inside, it is P's only fixed point.
     """
     (dt, dx) = widths
-    belt = rows[0]["boundary"]
-    mode = rows[0]["target"]
+    law = problem.law
+    edge = problem.edge(rows[0])
+    beside = {law.name(mode): mode for mode in (edge, edge + 1, law.last + edge)}
+    check(rows[0]["target"] in beside, "a first event that leads to a mode beside its belt")
+    mode = beside[rows[0]["target"]]
     columns = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))]
-    if mode < 4:
-        leaves = {belt: 1}
+    if mode <= law.last:
+        leaves = {edge: 1}
     else:
         leaves = {}
-    motions = [kind(problem, mode, belt, [*centre, arb(problem.p[f"v{belt}"])], columns, leaves)]
+    motions = [kind(problem, mode, edge, [*centre, arb(law.edges[edge].v)], columns, leaves)]
     for row in rows[1:]:
         motions.append(motions[-1].after_event(row))
     last = motions[-1]
@@ -1124,7 +1405,7 @@ def settled(data, source, limits):
         motion = begin(problem, start, errors, [])
     else:
         motion = leave(problem, start, errors, until)
-    check(data["mode"] == motion.mode.number, f"the motion begins in {MODES[motion.mode.number]}")
+    check(data["mode"] == motion.mode.name, f"the motion begins in {motion.mode.name}")
     for row in events:
         motion = motion.after_event(row).within(row)
     ends = [what(row) for row in (events[-1], cycle[0], cycle[-1])]
@@ -1324,13 +1605,19 @@ def shape_of(kind, data):
 
     A trajectory has another one with "some" of the starts or with derivatives.
     """
-    if kind != "trajectory":
+    if kind == "trajectory":
+        if data.get("starts") == "some":
+            kind = "some"
+        elif "wrt" in data:
+            kind = "derivatives"
+    p = data.get("parameters")
+    if not (type(p) is dict and "belts" in p):
         return SHAPES[kind]
-    if data.get("starts") == "some":
-        return SHAPES["some"]
-    if "wrt" in data:
-        return SHAPES["derivatives"]
-    return SHAPES["trajectory"]
+    belts = p["belts"]
+    right = type(belts) is list and 0 < len(belts) <= MOST_BELTS
+    check(right, f"belts: no list of 1 to {MOST_BELTS}", BAD)
+    check(kind in LAW_SHAPES, f"{kind!r}: of a law of any belts no checker proves that", BAD)
+    return LAW_SHAPES[kind](law_what(len(belts)))
 
 
 def prove(data, limits):

@@ -247,7 +247,10 @@ def course(data):
         "a number of periods, and three events at least",
         BAD,
     )
-    events = [StatedEvent(*base.what(row)) for row in rows]
+    events = []
+    for row in rows:
+        kind, belt, source, target = base.what(row)
+        events.append(StatedEvent(kind, belt, MODES.index(source), MODES.index(target)))
     # The last event is the first one again, so that the last but one is before the first.
     for before, event in pairwise([events[-2], *events]):
         if event.source > 3:

@@ -11,6 +11,7 @@ import click
 import symosc
 from symosc.base.errors import MissingExtraError
 from symosc.certificates.certificate import common_complex, common_digits
+from symosc.certificates.certify import is_papers
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, option
 
@@ -59,7 +60,8 @@ def certify(
         raise click.UsageError(
             "--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window"
         )
-    problem = options.reduced_scene(options.scene_with(scene, settings, t_end=t_end))
+    problem = options.scene_with(scene, settings, t_end=t_end)
+    problem = options.reduced_scene(problem, any_law=not is_papers(problem.parameters))
     certificate = _proof(problem, **subject_options)
     if path is not None:
         certificate.to_json(path)

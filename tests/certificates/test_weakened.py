@@ -253,19 +253,19 @@ ROWS: dict[str, Row] = {
         dropped(BEHIND), lambda: shifted("motion fig6", "events", 0, "x", by=-1)
     ),
     "the belt of a slip": Row(
-        ((' and row["boundary"] == self.belt', ""),),
+        ((" and edge == self.edge", ""),),
         lambda: altered("motion fig6", "events", 0, "boundary", 1),
     ),
     "the kind of an event": Row(
-        dropped("{kind}: {MODES[self.mode.number]} to"),
+        dropped("{kind}: {self.mode.name} to"),
         lambda: altered("motion fig6", "events", 1, "kind", "cross"),
     ),
     "the mode behind an event": Row(
-        dropped("{kind}: {MODES[self.mode.number]} to"),
+        dropped("{kind}: {self.mode.name} to"),
         lambda: altered("motion fig6", "events", 1, "target", "Omega1"),
     ),
     "the first mode": Row(
-        (('check(data["mode"] == motion.mode.number', "check(True"),),
+        (('check(data["mode"] == motion.mode.name', "check(True"),),
         lambda: altered("motion fig6", "mode", "Omega2"),
     ),
     "the velocity of a start on a belt": Row(
@@ -478,7 +478,7 @@ def test_an_unstable_orbit_is_known_as_one() -> None:
     del whole["message"]
     judge = weakened(
         verify,
-        (('for name in ("c", "k", "mu1", "mu2", "FN")', 'for name in ("k", "mu1", "mu2", "FN")'),),
+        (('for name in ("c", "k", "FN")', 'for name in ("k", "FN")'),),
     )
     code, answer = judge(whole)
     assert (code, answer.startswith("proven: an unstable orbit P32")) == (0, True), answer
