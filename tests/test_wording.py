@@ -290,6 +290,14 @@ def test_names_of_other_programs_suggest_the_right_one(call: Callable[[], Any], 
             lambda: symosc.crosscheck(FIG9, [0, 1, 2], [0, 1]),
             "t, x and v must have the same length",
         ),
+        (
+            lambda: symosc.continue_orbit(symosc.find_orbit("fig9"), None, "c", (0, 1)),
+            "or the name or file of one; give its .parameters",
+        ),
+        (
+            lambda: symosc.continue_orbit(FIG9, symosc.find_orbit("fig9"), "c", (0, 1)),
+            "or None; give its .word",
+        ),
     ],
 )
 def test_messages_say_what_is_allowed(call: Callable[[], object], expected: str) -> None:

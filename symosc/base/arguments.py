@@ -105,12 +105,17 @@ def _fits(kinds: Sequence[Kind | type], value: object) -> bool:
 
 def _refusal(name: str, value: object, kinds: Sequence[Kind | type]) -> ParameterError:
     """Return the error that a value is of none of the kinds."""
-    source = ""
+    hint = ""
     if len(kinds) == 1:
         source = getattr(kinds[0], "_made_by", "")
-    if source:
-        source = f"; {source} makes one"
-    return ParameterError(name, value, f"must be {_text(kinds)}{source}")
+        if source:
+            hint = f"; {source} makes one"
+    if type(value).__module__.startswith("symosc."):  # an answer, in place of what it is about
+        for attribute in ("parameters", "word"):
+            if _fits(kinds, getattr(value, attribute, None)):
+                hint = f"; give its .{attribute}"
+                break
+    return ParameterError(name, value, f"must be {_text(kinds)}{hint}")
 
 
 def _text(kinds: Sequence[Kind | type]) -> str:
