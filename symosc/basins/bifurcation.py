@@ -105,6 +105,26 @@ class Bifurcation(Comparable, Drawable):
             f"{', '.join(self.branches)}; several attractors at {int(self.coexisting.sum())}>"
         )
 
+    def to_pandas(self) -> Any:
+        """Return a DataFrame, a row per section point; MissingExtraError if pandas is not installed.
+
+        Its columns are the parameter, "branch", "attractor", "period" (the number of the section
+        point), "x" and "v". Branches without points at a value have no rows there.
+        """
+        shape = self.points.shape[:-1]
+        value, branch, period = (places.ravel() for places in np.indices(shape))
+        columns = {
+            self.name: self.values[value],
+            "branch": np.array(self.branches)[branch],
+            "attractor": self.attractor[value, branch],
+            "period": period,
+            "x": self.points[..., 0].ravel(),
+            "v": self.points[..., 1].ravel(),
+        }
+        there = np.isfinite(columns["x"])
+        rows = {name: column[there] for name, column in columns.items()}
+        return imported("pandas").DataFrame(rows)
+
     def to_xarray(self) -> Any:
         """Return a Dataset over the parameter, the branches and the sections.
 
