@@ -279,7 +279,7 @@ def torus_at(model: Model, t: Number, x: Number, v: Number) -> TorusTurns | None
     """Return how the motion from a state goes round a torus, None if it is not known to do so."""
     for periods in TORUS_PERIODS:
         points = sections_of(model, t, x, v, periods)
-        if points is None or not averages_agree(points):
+        if points is None or not np.ptp(points, axis=0).all() or not averages_agree(points):
             return None
         turns = _turns_of(model, t, x, v, points)
         if turns is None or turns.error > AGREE:
@@ -378,8 +378,10 @@ def averages_agree(points: np.ndarray) -> bool:
     half = len(points) // 2
     # A motion that has decayed since then has another extent.
     extent = np.ptp(points[-half // 2 :], axis=0)
-    if not (extent > 0).all():
+    if not extent.any():
         return False
+    # A mass that always sticks then has the speed of the belt.
+    extent = np.where(extent > 0, extent, 1.0)
     x, v = ((points - points[-half:].mean(axis=0)) / extent).T
     moments = np.column_stack([x, v, x * x, x * v, v * v, x * x * x, v * v * v])
     apart = averages(moments[:half]) - averages(moments[half : 2 * half])
