@@ -336,3 +336,22 @@ def test_a_refusal_lists_the_kinds() -> None:
         require(symosc.Scene, a=1)
     with pytest.raises(ParameterError, match=r"must be a mapping of names, each a number or None$"):
         require(arguments.mapping_of(arguments.REAL, arguments.NONE), a={"x": "1"})
+
+
+def slope_of_text(w: float) -> str:
+    return f"{w} N"
+
+
+def test_messages_name_functions_and_not_where_they_are_in_memory() -> None:
+    law = symosc.Oscillator(m=1, c=0, k=1, belts=[symosc.Belt(1, mu=1)])
+    wrong: list[Callable[[], Any]] = [
+        lambda: symosc.Belt.from_function(1, slope_of_text, 4),
+        lambda: symosc.Belt(1, curve=slope_of_text),
+        lambda: symosc.attractors(law, {"x0": slope_of_text, "v0": [1]}),
+        lambda: symosc.return_map(law, belt=slope_of_text),
+        lambda: symosc.bifurcation(law, {"v1": [slope_of_text]}),
+    ]
+    for call in wrong:
+        with pytest.raises(ParameterError) as error:
+            call()
+        assert "<function slope_of_text>" in str(error.value)

@@ -10,7 +10,8 @@ from types import BuiltinFunctionType, FunctionType
 from typing import Any
 
 LONGEST_VALUE = 80
-ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
+#: Where an object is in memory: no reader can use it, and it is another one in each run.
+ADDRESS = re.compile(r" at 0x[0-9A-Fa-f]+")
 # How alike a word must be to be suggested: of five letters one may differ, not two, since who
 # writes "panel" does not mean "label".
 LEAST_LIKENESS = 0.65
@@ -39,7 +40,7 @@ OTHER_NAMES = {
 
 def shown(value: object) -> str:
     """Return a value as text for a message: on one line, shortened if it is long, numbers without
-    their type.
+    their type, functions without their address.
     """
     try:
         text = _without_types(value)
@@ -61,7 +62,6 @@ def _without_types(value: object) -> str:
         return f"[{', '.join(map(_without_types, value))}]"
     if type(value) is tuple and len(value) > 1:
         return f"({', '.join(map(_without_types, value))})"
-    # Where an object is in memory says nothing.
     return ADDRESS.sub("", repr(value))
 
 

@@ -53,7 +53,17 @@ def test_rest_and_cycle_coexist_between_the_onset_and_the_last_touch() -> None:
     there = np.isfinite(found.points[:, :, 0, 0])
     assert there.T.tolist() == [[False, True, True, True], [True, True, True, False]]
     assert found.coexisting.tolist() == [False, True, True, False]
-    assert found.to_xarray().section.dims == ("v1", "branch", "period", "component")
+    data = found.to_xarray()
+    assert data.section.dims == ("v1", "branch", "period", "component")
+    frame = found.to_pandas()
+    assert list(frame) == ["v1", "branch", "attractor", "period", "x", "v"]
+    assert frame.groupby("branch").v1.apply(list).to_dict() == {
+        "rest": [1.4, 1.8, 1.9], "cycle 1": [1.1, 1.4, 1.8],
+    }  # fmt: skip
+    for _, row in frame.iterrows():
+        place = {"v1": row.v1, "branch": row.branch}
+        assert data.section.sel(place).values[row.period].tolist() == [row.x, row.v]
+        assert data.attractor.sel(place) == row.attractor
 
 
 @pytest.mark.compiled("doubles")
