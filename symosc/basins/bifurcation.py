@@ -104,12 +104,18 @@ class Bifurcation(Comparable, Drawable):
 
     @public
     def name_at(self, value: NumberLike, branch: str | None = None) -> str:
-        """Return the name of what a motion settled to, such as "period 2", "rest" or "cycle"; at the
-        value that is nearest to `value`, and on the first branch unless another one is named.
+        """Return the name of what a motion settled to, such as "period 2", "rest" or "cycle".
 
         Motions that do not repeat themselves are followed on, to say whether they are chaotic or
         quasi-periodic: "chaos, exponent 0.02", "quasi-periodic, rotation 1.065". "undecided" is
         what is open, "" where the branch has no points.
+
+        Parameters
+        ----------
+        value : number
+            Of the parameter; the nearest one of `values` counts.
+        branch : str, optional
+            One of `branches`; the first one by default.
 
         Examples
         --------

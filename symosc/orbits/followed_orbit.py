@@ -257,9 +257,6 @@ class FollowedOrbit(PeriodicOrbit):
             "start": dict(zip(("t", "x", "v"), map(float, self.start), strict=True)),
         }
 
-    def __repr__(self) -> str:
-        return f"<PeriodicOrbit {self.word or 'without a belt'}: {self.message}>"
-
 
 def followed_orbit(
     section: SpeedSection,

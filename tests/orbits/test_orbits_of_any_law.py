@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 from math import atan, exp, inf, pi
 from typing import Any
@@ -72,6 +73,13 @@ def test_the_stick_slip_cycle_has_the_period_of_its_closed_form() -> None:
     slip, stick = cycle.points
     assert slip == pytest.approx((0, 1), abs=1e-12)
     assert stick == pytest.approx((period - 5, 0), abs=1e-12)
+
+
+def test_the_text_of_a_long_orbit_counts_its_mappings() -> None:
+    cycle = find_orbit(STICK_SLIP)
+    assert repr(cycle).startswith("<PeriodicOrbit S1∘B1: a stable limit cycle")
+    long = replace(cycle, labels=cycle.labels * 500)
+    assert repr(long).startswith("<PeriodicOrbit of 1000 mappings: a stable limit cycle")
 
 
 def test_the_largest_displacement_of_the_cycle() -> None:
