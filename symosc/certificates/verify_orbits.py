@@ -354,7 +354,7 @@ def least_cycle(steps, points):
     for q in range(2, n + 1):
         if n % q == 0 and all(steps[i] == steps[(i + n // q) % n] for i in range(n)):
             ((_, x), (_, x0)) = (points[n // q], points[0])
-            check(not x.overlaps(x0), "that the least period is not a part of it", OPEN)
+            check(not x.overlaps(x0), "that no part of the cycle is all of it", OPEN)
 
 
 def eigenvalues(T, d):
