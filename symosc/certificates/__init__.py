@@ -4,9 +4,11 @@
 Modules, lowest layer first:
 
     certificate     `Certificate` and its JSON; the checker's verdict on a statement
+    corners         the corners of friction curves that a motion passes
     balls           balls, and an oscillator of balls: for plane.py only
     propose         enclosures of motions, of grazes within the error of a start, of motions that settle
     propose_orbits  enclosures of orbits, of branches of orbits up to their ends, of grazing windows
+    propose_law_orbits  enclosures of orbits of any friction law
     certify         `certify`: proposes, and returns what the checker says
     verify          the checker of motions and windows; one file, independent of symosc
     verify_orbits   the checker of orbits, branches and atlases; needs verify.py only
@@ -18,7 +20,10 @@ is another function of a checker (`verify.KINDS` names what proves a kind of fil
 its shape) and what proposes such a file. A family over a parameter may pass through critical
 damping, but not through resonance.
 
+Motions and orbits may have any friction law; all else is for at most two Coulomb belts.
+
 Not proven, and reported as such: grazes from exact starts with damping or drive (double zeros),
+touches of a belt with static friction or of a corner,
 forces that are exactly 0 where they turn, motions of more than 20,000 events that settle on no
 orbit.
 """

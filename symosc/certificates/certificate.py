@@ -17,7 +17,7 @@ from symosc.base.display.drawable import Drawable
 from symosc.base.exact import show
 from symosc.base.files import write_text
 from symosc.certificates.corners import CORNER
-from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Model, Oscillator, Parameters
+from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Model, Parameters
 
 #: The format that every certificate file names.
 FORMAT = "symosc certificate 1"
@@ -45,17 +45,22 @@ def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
 
 def oscillator_entry(p: Model) -> Record:
     """Return the entry `parameters` of a file: the eleven numbers, or a law with its belts."""
-    if not isinstance(p, Oscillator):
+    if isinstance(p, Parameters):
         return dict(p.as_dict())
+    return law_entry(p)
+
+
+def law_entry(p: Model) -> Record:
+    """Return the entry `parameters` of a file about any law: the numbers of all belts in a list."""
     entry: Record = {name: show(getattr(p, name)) for name in OSCILLATOR_NAMES}
     entry["belts"] = [
         {
             "v": show(belt.v),
             "curve": [[show(w), show(mu)] for w, mu in belt.curve or ((Fraction(0), belt.mu),)],
             "slope": show(belt.slope),
-            "mu_s": show(belt.mu_s),
+            "mu_s": show(belt.mu if belt.mu_s is None else belt.mu_s),
         }
-        for belt in p.belts
+        for belt in p.law.belts
     ]
     return entry
 

@@ -36,6 +36,7 @@ from symosc.model import Model, Oscillator, Parameters
 from symosc.orbits.branch import Branch
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
+from symosc.orbits.followed_orbit import FollowedOrbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, from_rest, model_of, passed, scene_of
 from symosc.simulation.tangents import read_wrt
@@ -152,6 +153,10 @@ def certify(
             raise ParameterError(
                 name, value, f"{name} applies to a scene only, not to a {type(what).__name__}"
             )
+    if isinstance(what, FollowedOrbit):
+        from symosc.certificates.propose_law_orbits import certify_law_orbit
+
+        return certify_law_orbit(what)
     if isinstance(what, PeriodicOrbit):
         from symosc.certificates.propose_orbits import certify_orbit
 

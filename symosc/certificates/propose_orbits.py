@@ -171,8 +171,8 @@ def _proposed_orbit(
         "periods": orbit.equations.periods,
         "events": rows,
         "alone_within": [half_t, half_x],
-        "multipliers": _multipliers(both),
-        "stable": _stable(both),
+        "multipliers": proposed_multipliers(both),
+        "stable": proposed_stability(both),
     }
     points = tuple(
         (tuple(outward(around(t, 0), DIGITS)), tuple(outward(around(x, 0), DIGITS)))
@@ -198,7 +198,7 @@ def _reaches_in_time(orbit: OrbitInDigits, begin: int, half_t: str, half_x: str)
     return reaches
 
 
-def _multipliers(both: tuple[Number, Number]) -> list[Record]:
+def proposed_multipliers(both: tuple[Number, Number]) -> list[Record]:
     """Return enclosures of both multipliers, as the file states them."""
     parts = [(fraction(multiplier.real), fraction(multiplier.imag)) for multiplier in both]
     (re, im), (re2, im2) = parts
@@ -218,7 +218,7 @@ def decimals(ends: Interval) -> list[str]:
     return outward(ends, MULTIPLIER_PLACES)
 
 
-def _stable(both: tuple[Number, Number]) -> bool | None:
+def proposed_stability(both: tuple[Number, Number]) -> bool | None:
     """Return whether both multipliers are inside the unit circle; None if one is on it."""
     gap = float(1 - max(abs(multiplier) for multiplier in both))
     if abs(gap) < MARGINAL:

@@ -1361,7 +1361,8 @@ def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
 
     Let P map t and x at the first event to those at the last, with t less by `turn`, the time of
     the periods. D encloses the Jacobian of P over the box `centre` +- `widths`; if centre + u is
-    inside, it is P's only fixed point.
+    inside, it is P's only fixed point. Without a drive `turn` is None, and P maps x alone: the width
+    in t is 0, and D has the derivative of x by x only.
     """
     (dt, dx) = widths
     law = problem.law
@@ -1379,6 +1380,11 @@ def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
         motions.append(motions[-1].after_event(row))
     last = motions[-1]
     (t, x, _) = last.centre
+    if turn is None:
+        slope = last.columns[1][1] / dx
+        require(abs(1 - slope), "1 less the derivative of x by x")
+        D = arb_mat([[0, 0], [0, slope]])
+        return Period(motions, [arb(0), (x - centre[1]) / (1 - slope)], D)
     D = arb_mat([[last.columns[j][i] / widths[j] for j in (0, 1)] for i in (0, 1)])
     moved = arb_mat([[t - turn - centre[0]], [x - centre[1]]])
     try:

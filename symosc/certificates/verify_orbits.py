@@ -16,9 +16,11 @@ Balls (arb) prove:
    trace T and its determinant d (0 if the motion sticks). Both are inside the unit circle if and
    only if |d| < 1 and |T| < 1 + d.
 3. A motion with a smaller period of N/q forcing periods does the same events after 1/q of them: it
-   has not, if their kinds differ, or t or x at the event where it would begin again. (A period is a
-   multiple of the forcing period: for B0 = 0 no orbit is alone.) On a branch one box is enough: two
-   roots where J is regular never meet.
+   has not, if their kinds differ, or t or x at the event where it would begin again. On a branch
+   one box is enough: two roots where J is regular never meet.
+
+   A cycle without a drive (B0 = 0, of a law with `belts`) may begin at any time: P maps x to x, e_t
+   = 0, and D is its derivative by x. The multipliers are 1 and D (0 if the motion sticks).
 
 A "branch", for an interval of a parameter at once:
 
@@ -122,6 +124,8 @@ PIECES = (
     (1, 2, 2),
 )  # from, mode, to
 LABELS = {piece: number for number, piece in enumerate(PIECES, 1)}
+# What P1 to P8 are called beside the labels of another number of belts.
+PAPER_LABELS = ("S1", "B1", "A1", "S2", "B2", "A2", "D21", "U12")
 # Boxes within the one stated are smaller by about this factor; D is known well enough if its radii
 # are less than KNOWN.
 SMALL = fmpq(1, 10**15)
@@ -214,6 +218,10 @@ base.SHAPES["orbit"] = (
     }
     | {"multipliers": ({"re": interval, "im": interval},) * 2, "stable": {True, False, None}}
 )
+base.LAW_SHAPES["orbit"] = lambda what: (
+    base.SHAPES["orbit"]
+    | {"parameters": base.LAW, "events": [what | base.ENCLOSED | {"reach": number}]}
+)
 base.SHAPES["branch"] = (
     ORBIT
     | {
@@ -237,6 +245,52 @@ base.SHAPES["atlas"] = {
 
 
 # -- orbits ----------------------------------------------------------------------------------------
+
+
+def label_between(before, after):
+    """Return the label of what is between two events of a law, given their rows of the file: S, a
+    stick; B or A, a flight back to a belt from below or above; U or D, one to the next belt.
+    """
+    belt = before["boundary"]
+    other = after["boundary"]
+    if before["target"] == f"belt{belt}":
+        return f"S{belt}"
+    if other == belt:
+        letter = "B" if before["target"] == f"Omega{belt}" else "A"
+        return f"{letter}{belt}"
+    letter = "U" if other > belt else "D"
+    return f"{letter}{belt}{other}"
+
+
+def law_course(data):
+    """Prove that the events of an orbit of a law follow each other and have its word; return them,
+    and the corners between them.
+    """
+    rows = data["events"]
+    is_cycle = data["periods"] == data["parameters"]["B0"] == 0
+    check(
+        (is_cycle or 0 < data["periods"] < base.MOST_PERIODS) and len(rows) > 2,
+        "a number of periods (0 without a drive), and three events at least",
+        BAD,
+    )
+    steps = [base.what(row) for row in rows]
+    check(steps[0][0] in ("cross", "stick"), "a first event that is the end of a flight at a belt")
+    check(steps[0] == steps[-1], "a last event that is not the first one again")
+    events = [row for row in rows if row["kind"] != base.CORNER]
+    labels = [label_between(before, after) for before, after in pairwise(events)]
+    # A word is read from the right, and may begin with any of its labels.
+    word = data["word"]
+    if len(data["parameters"]["belts"]) == 2:
+        labels = [str(PAPER_LABELS.index(label) + 1) for label in labels if label in PAPER_LABELS]
+        stated = list(word[1:])
+        right = word[:1] == "P"
+    else:
+        stated = word.split("∘")
+        right = True
+    labels.reverse()
+    right = right and any(stated == labels[i:] + labels[:i] for i in range(len(labels)))
+    check(right, f"the word {word[:40]!r}, of events that say {' '.join(labels)[:40]}")
+    return steps
 
 
 def course(data):
@@ -294,6 +348,15 @@ def least(events, periods, apart):
             )
 
 
+def least_cycle(steps, points):
+    """Prove that no part of an orbit without a drive is the whole orbit."""
+    n = len(steps) - 1
+    for q in range(2, n + 1):
+        if n % q == 0 and all(steps[i] == steps[(i + n // q) % n] for i in range(n)):
+            ((_, x), (_, x0)) = (points[n // q], points[0])
+            check(not x.overlaps(x0), "that no part of the cycle is all of it", OPEN)
+
+
 def eigenvalues(T, d):
     """Return real and imaginary parts of both eigenvalues of a matrix with trace T and determinant
     d, largest first.
@@ -328,10 +391,14 @@ def orbit(data, source, limits):
     """
     problem = base.StatedOscillator(data["parameters"], limits)
     periods = data["periods"]
-    events = course(data)
+    events = law_course(data) if "belts" in data["parameters"] else course(data)
     rows = data["events"]
-    turn = 2 * periods * arb.pi() / arb(problem.p["Omega"])
-    right = min(data["alone_within"]) > 0 <= min(row["reach"] for row in rows)
+    turn = None
+    if periods:
+        turn = 2 * periods * arb.pi() / arb(problem.p["Omega"])
+    (within_t, within_x) = data["alone_within"]
+    right = within_x > 0 <= min(row["reach"] for row in rows)
+    right = right and (within_t > 0 if periods else within_t == 0)
     check(right, "alone_within, or reach out of range", BAD)
     D, points = fixed_point(problem, data, turn)
     for (t, x), row in zip(points, rows, strict=True):
@@ -347,14 +414,18 @@ def orbit(data, source, limits):
         (t0, x0) = points[0]
         return not ((t - t0) * periods).overlaps(later * turn) or not x.overlaps(x0)
 
-    least(events, periods, apart)
     check_multipliers(data, D)
     kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[data["stable"]]
-    first = (
-        f"{kind} {data['word']} of {periods} forcing period{'s' * (periods != 1)}, the only one "
-        "within"
-    )
-    first += " {} in t and {} in x".format(*source["alone_within"])
+    (in_t, in_x) = source["alone_within"]
+    if periods:
+        least(events, periods, apart)
+        time = f"of {periods} forcing period{'s' * (periods != 1)}"
+        alone = f"the only one within {in_t} in t and {in_x} in x"
+    else:
+        least_cycle(events, points)
+        time = "without a drive"
+        alone = f"the only one within {in_x} in x"
+    first = f"{kind} {data['word']} {time}, {alone}"
     shown = [
         f"multiplier: {' .. '.join(ends['re'])} + i ({' .. '.join(ends['im'])})"
         for ends in source["multipliers"]
@@ -382,6 +453,8 @@ def fixed_point(problem, data, turn):
         motion_kind = base.VerifiedMotion if scale == 1 else Within
         motions, u, D = base.period(problem, wide, centre, widths, turn, motion_kind)
         for shift, width, c, (middle, most) in zip(u, widths, centre, stated_box, strict=True):
+            if turn is None and most == 0:  # any time will do
+                continue
             require(width - abs(shift), "that an orbit is in the box, and only one")
             check(scale == 1 or abs(c - middle) + width < most, "a smaller box in the other", OPEN)
         are_known = all(entry.rad() < KNOWN for entry in D.entries())
@@ -391,7 +464,9 @@ def fixed_point(problem, data, turn):
         centre = [coordinate.mid() for coordinate in root]
         widths = [(2 * coordinate.rad()).mid() for coordinate in root]
     # Where the fixed point is at each event, by the derivatives.
-    factors = [shift / width for shift, width in zip(u, widths, strict=True)]
+    factors = [
+        shift / width if width > 0 else arb(0) for shift, width in zip(u, widths, strict=True)
+    ]
     return D, [motion.from_centre(factors) for motion in motions]
 
 
@@ -399,17 +474,23 @@ def check_multipliers(data, D):
     """Raise Stop unless the eigenvalues of D and the stability are those that the file states (2
     above).
     """
-    T = D[0, 0] + D[1, 1]
-    d = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
     # After a stick the time of its end alone says what follows.
     sticks = any(row["kind"] == "stick" for row in data["events"])
+    if data["periods"]:
+        T = D[0, 0] + D[1, 1]
+        d = D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
+    else:
+        d = arb(0) if sticks else D[1, 1]
+        T = 1 + d  # of the multipliers 1 and d
     if sticks:
         d = arb(0)
     for (re, im), ends in zip(eigenvalues(T, d), data["multipliers"], strict=True):
         inside(re, ends["re"])
         inside(im, ends["im"])
     if data["stable"] is not None:
-        margins = 1 - abs(d), 1 + d - abs(T)
+        margins = [1 - abs(d), 1 + d - abs(T)]
+        if not data["periods"]:
+            del margins[1]  # the multiplier 1 is that of the phase
         for margin in margins:
             require(abs(margin), "whether it is stable")
         stable = all(margin > 0 for margin in margins)

@@ -9,12 +9,11 @@ from random import Random
 from typing import Any
 
 import pytest
-from certificate_files import judged
+from certificate_files import document, judged
 from law_certificates import (
     LAW_CHANGES,
     changed,
     judged_law,
-    law_document,
     law_is_true,
     reference_scene,
     says_the_same,
@@ -72,7 +71,7 @@ DOCUMENTS = ("S1", "S6c", "S3", "7 1", "7 7", "7 10")
 def test_a_changed_file_is_proven_only_if_it_is_still_true(change: str) -> None:
     rng = Random(f"{change} of a law")
     for name in rng.sample(DOCUMENTS, 2):
-        original = law_document(name)
+        original = document(f"law {name}")
         other = changed(original, change, rng)
         code, line = judged(other)
         if code == 0:
@@ -84,7 +83,7 @@ def test_a_changed_file_is_proven_only_if_it_is_still_true(change: str) -> None:
 def test_many_changed_files(change: str) -> None:
     rng = Random(f"many: {change}")
     for _ in range(40):
-        original = law_document(rng.choice(DOCUMENTS))
+        original = document(f"law {rng.choice(DOCUMENTS)}")
         other = changed(original, change, rng)
         code, line = judged(other)
         assert code or other == original or law_is_true(other), (line, other)

@@ -65,6 +65,8 @@ KINDS = (
     "branch short",
     "window fig9 P2",
     "window fig8 P5 paper",
+    "law S6c",
+    "law-orbit three",
 )
 FOLDER = Path(checker.__file__).parent
 VALIDATOR = jsonschema.Draft202012Validator(

@@ -20,6 +20,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, NamedTuple
 
+import law_forgeries as laws
 import pytest
 from certificate_files import Document, document, forged, moved, put
 from flint import arb, ctx, fmpq
@@ -329,7 +330,7 @@ ROWS: dict[str, Row] = {
     ),
     # orbits
     "the word": Row(
-        dropped("the word {word[:40]!r}"),
+        dropped("the word {word[:40]!r}, of events that say {shown"),
         lambda: altered("orbit fig9", "word", "P23456"),
         verify_orbits,
     ),
@@ -358,6 +359,73 @@ ROWS: dict[str, Row] = {
     ),
     "that the orbits beyond an end are those of the rows": Row(
         (('found.within(row, *found.root(end["inside"]))', "pass"),), another_family, verify_orbits
+    ),
+    # other friction laws
+    "static friction at a contact": Row(
+        ((" - arb(law.edges[edge].excess)", ""),), laws.crossing_through_static_friction
+    ),
+    "static friction during a stick": Row(
+        (
+            ("held = [0, 0, excess, 0, 0]", "held = [0] * 5"),
+            ("if edge.excess > 0:", "if False:"),
+        ),
+        laws.slip_of_kinetic_friction,
+    ),
+    "the growth of a transient": Row((("(h * self.growth).exp()", "arb(1)"),), laws.hidden_growth),
+    "that a flight that settles does not grow": Row(
+        ((" and square > 0 and c >= 0:", " and square > 0:"),), laws.growth_that_settles
+    ),
+    "the parts of a curve": Row(
+        (("slope = (next_mu - mu) / (end - begin)", "pass"),), laws.constant_friction_with_a_curve
+    ),
+    "that static friction holds what touches it": Row(
+        dropped("which holds what touches it"), laws.graze_of_static_friction
+    ),
+    "what follows an arrival at the limit": Row(
+        (("if onward * v > 0:", "if False:"),), laws.arrival_at_the_limit_that_crosses
+    ),
+    "that an arrival is at the limit": Row(
+        (("if square != limit * limit or v == 0:", "if v == 0:"),),
+        laws.arrival_beyond_the_limit_that_sticks,
+    ),
+    "that a rest is held": Row((("return min(least) >= 0", "return True"),), laws.rest_that_slips),
+    "the number of a belt": Row(
+        dropped("a belt or a corner that there is not"), laws.belt_without_number
+    ),
+    "static friction of the model": Row(
+        ((' and belt["mu_s"] >= belt["curve"][0][1]', ""),),
+        lambda: laws.belts_not_met("mu_s", "1/5"),
+    ),
+    "a slope of the model": Row(
+        (('belt["slope"] >= 0 and ', ""),), lambda: laws.belts_not_met("slope", "-1/5")
+    ),
+    "a curve of the model": Row(
+        (('min(mu for _, mu in belt["curve"]) >= 0', "True"),),
+        lambda: laws.belts_not_met("curve", 1, ["1", "-1/5"]),
+    ),
+    "where a curve begins": Row(
+        (("ws[:1] == [0]", "True"),), lambda: laws.belts_not_met("curve", 0, ["-1/5", "2/5"])
+    ),
+    "the event that closes an orbit": Row(
+        (('check(steps[0] == steps[-1], "', 'check(True, "'),), laws.other_way_in, verify_orbits
+    ),
+    "the least cycle": Row(
+        dropped("no part of the cycle is all of it"), laws.twice_round_a_cycle, verify_orbits
+    ),
+    "that a cycle has no drive": Row(
+        (
+            (
+                'data["periods"] == data["parameters"]["B0"] == 0',
+                'data["periods"] == 0',
+            ),
+        ),
+        laws.drive_left_out,
+        verify_orbits,
+    ),
+    "the word of a law": Row(
+        dropped("the word {word[:40]!r}, of events that say {' '.join"),
+        lambda: altered("law-orbit three", "word", "S1∘B1"),
+        verify_orbits,
     ),
     "the kind of an end": Row(
         dropped("an end that is a {kind[:40]!r}"),

@@ -46,6 +46,14 @@ def _made(kind: str, *names: str) -> Certificate:
         return certify(names[0], t_end=names[1] if len(names) > 1 else None)
     if kind == "derivatives":
         return certify(names[0], t_end=names[1], wrt=("mu1", "Omega", "x0"))
+    if kind == "law":  # a reference of another law, or seed and number of a random one
+        from law_certificates import certificate_of  # which uses this module
+
+        return certificate_of(*names)
+    if kind == "law-orbit":
+        from law_orbit_certificates import orbit_of
+
+        return certify(orbit_of(*names))
     if kind == "circle":
         return certify(
             Scene("a motion", CIRCLE, Fraction(0), Fraction("0.2"), Fraction(-1), Fraction(4))

@@ -4,10 +4,8 @@ states what an oracle of the law finds.
 
 from __future__ import annotations
 
-import json
 from copy import deepcopy
 from fractions import Fraction
-from functools import cache
 from random import Random
 from typing import Any
 
@@ -74,22 +72,12 @@ def reference_scene(reference: Reference) -> Scene:
     return Scene(reference.name, law, *start)
 
 
-@cache
-def law_text(name: str) -> str:
-    """Return the file of a reference ("S1") or of a random law ("3 17": seed and number)."""
-    if name.startswith("S"):
-        made = certify(reference_scene(next(each for each in REFERENCES if each.name == name)))
-    else:
-        made, _, _ = judged_law(*map(int, name.split()))
-    assert made.proven, made.message
-    return json.dumps(made.as_dict())
-
-
-def law_document(name: str) -> Document:
-    """Return a law's certificate without its message."""
-    document: Document = json.loads(law_text(name))
-    del document["message"]
-    return document
+def certificate_of(*names: str) -> Certificate:
+    """Return the certificate of a reference ("S1"), or of a random law by its seed and number."""
+    if len(names) == 2:
+        made, _, _ = judged_law(*map(int, names))
+        return made
+    return certify(reference_scene(next(each for each in REFERENCES if each.name == names[0])))
 
 
 def law_is_true(document: Document) -> bool:
