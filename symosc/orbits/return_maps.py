@@ -231,7 +231,8 @@ def section_through(motion: Trajectory, span: float = inf) -> SpeedSection | Non
         speed = _rounded_speed(float(v[n]), float(np.ptp(v)))
         if np.abs(edges - float(speed)).min() > least:
             return SpeedSection(model, speed, bool(samples.slopes[n] > 0))
-    if least > np.ptp(v):
+    flies = bool(quality.max() > 0.0)
+    if flies and CLEAR * float(np.abs(edges).max()) > fastest:
         raise too_fast_error(model)
     return None
 
