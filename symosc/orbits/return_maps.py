@@ -232,7 +232,7 @@ def section_through(motion: Trajectory, span: float = inf) -> SpeedSection | Non
         if np.abs(edges - float(speed)).min() > least:
             return SpeedSection(model, speed, bool(samples.slopes[n] > 0))
     flies = bool(quality.max() > 0.0)
-    if flies and least > np.ptp(v):
+    if flies and CLEAR * float(np.abs(edges).max()) > fastest:
         raise too_fast_error(model)
     return None
 

@@ -56,6 +56,12 @@ def test_a_belt_that_is_never_reached_is_a_constant_force() -> None:
         find_orbit(Oscillator(**law, belts=[slow, Belt(10**12, "0.1")]))
 
 
+def test_a_motion_that_sticks_throughout_is_not_one_of_a_belt_too_fast() -> None:
+    slow = Oscillator(m=1, c="0.1", k=1, B0="0.1", Omega=2, belts=[Belt("0.1", 3, mu_s=4)])
+    with pytest.raises(ConvergenceError, match="never flies"):
+        orbit_near(slow, 0, 0, 0.1, 1)
+
+
 def test_the_stick_slip_cycle_has_the_period_of_its_closed_form() -> None:
     a = Fraction(1, 2)
     period = 2 * float(a) / 0.2 + 2 * pi - 2 * atan(float(a) / 0.2)
