@@ -19,7 +19,6 @@ from samples import sample_of
 
 from symosc import (
     Border,
-    ConvergenceError,
     ParameterError,
     Parameters,
     continue_border,
@@ -365,8 +364,7 @@ def test_borders_beyond_which_the_motion_has_no_word(
         assert word_of_the_ode(inside, border.orbit(i)) == border.words[0]
         exact = border.at(**{border.parameters[1]: border.points[i, 1]})
         assert min(abs(np.array(exact) - border.points[i, 0])) < 1e-12
-        with pytest.raises(ConvergenceError, match=r"rest|settle"):
-            find_orbit(outside)
+        assert not find_orbit(outside).word
 
 
 @pytest.mark.slow

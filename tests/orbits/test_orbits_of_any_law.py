@@ -14,7 +14,6 @@ from cli_runs import run
 from law_orbits import DRIVEN, FREE, STICK_SLIP, TWO_BANDS, confirmed, driven
 from scipy.integrate import solve_ivp
 
-import symosc
 from symosc import (
     Belt,
     BranchError,
@@ -311,7 +310,6 @@ def test_orbits_are_drawn_and_printed(tmp_path: Any, monkeypatch: Any) -> None:
         (lambda: find_orbit(STICK_SLIP.replace(k=0)), ParameterError, "without a spring"),
         (lambda: find_orbit(STICK_SLIP).equations(), ParameterError, "static friction of belt 1"),
         (lambda: find_orbit(STICK_SLIP).sensitivities("v2"), ParameterError, "must be different"),
-        (lambda: symosc.certify(find_orbit(STICK_SLIP)), ParameterError, "static friction"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused_in_one_line(call: Any, error: Any, part: str) -> None:
