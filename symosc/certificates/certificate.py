@@ -16,7 +16,6 @@ from symosc.base.arguments import public
 from symosc.base.display.drawable import Drawable
 from symosc.base.exact import show
 from symosc.base.files import write_text
-from symosc.certificates.corners import CORNER
 from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES, Model, Parameters
 
 #: The format that every certificate file names.
@@ -24,6 +23,8 @@ FORMAT = "symosc certificate 1"
 #: Digits of an enclosure's middle that are shown.
 SHOWN_DIGITS = 17
 STARTS = ("t0", "x0", "v0")
+#: What a file calls the passage of a corner in place of the kind of an event.
+CORNER = "corner"
 
 
 def provable(p: Parameters, v0: Fraction) -> tuple[str, ...]:
@@ -165,8 +166,6 @@ def stated(
     """
     events = []
     for row in proven_rows(statement):
-        if row["kind"] == CORNER:
-            continue
         enclosures = [tuple(row[name]) for name in "tx" if name in row]
         events.append((row["kind"], row["source"], row["target"], *enclosures))
     multipliers = tuple(
@@ -208,9 +207,10 @@ def confirmed(
 def proven_rows(statement: Record) -> list[Record]:
     """Return the events in the contents of a file as dicts.
 
-    Of a motion that settles, the last ones before t_end.
+    Of a motion that settles, the last ones before t_end. Corners are none.
     """
-    return list(statement.get("last") or statement.get("events") or ())
+    rows = statement.get("last") or statement.get("events") or ()
+    return [row for row in rows if row["kind"] != CORNER]
 
 
 def common_digits(low: str, high: str) -> str:

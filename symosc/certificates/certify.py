@@ -35,7 +35,7 @@ from symosc.grazing.window import GrazingWindow
 from symosc.model import Model, Oscillator, Parameters
 from symosc.orbits.branch import Branch
 from symosc.orbits.closing_equations import ConvergenceError
-from symosc.orbits.find import find_orbit
+from symosc.orbits.find import find_orbit, is_of_paper
 from symosc.orbits.followed_orbit import FollowedOrbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.scenes import Scene, from_rest, model_of, passed, scene_of
@@ -133,7 +133,7 @@ def certify(
     given = passed(what)
     if isinstance(what, Scene | Model | str | Path):
         what = scene_of(what, "what", any_law=True)
-        if is_papers(model_of(what)):
+        if is_of_paper(model_of(what)):
             what = scene_of(what, "what")
     if isinstance(what, Model):
         if t_end is None:
@@ -178,15 +178,6 @@ def certify(
     return certify_window(what)
 
 
-def is_papers(p: Model) -> bool:
-    """Return whether an oscillator is the paper's: two Coulomb belts at most."""
-    try:
-        _ = p.parameters
-    except ParameterError:
-        return False
-    return True
-
-
 def _motion(
     scene: Scene, t_end: Any, start_error: Any, digits: Any, wrt: tuple[str, ...]
 ) -> Certificate:
@@ -218,7 +209,7 @@ def _motion(
     # A long motion in a scene with a word may settle on the orbit of this word: then a cycle proves
     # it, event by event it would take too long.
     turned = scene.parameters.Omega * (scene.t_end - scene.t0)
-    if is_papers(scene.parameters) and not wrt and scene.structure and turned > LONG_MOTION:
+    if is_of_paper(scene.parameters) and not wrt and scene.structure and turned > LONG_MOTION:
         with suppress(ConvergenceError):  # there is no such orbit
             settled = certify_settled(task, find_orbit(scene.parameters, scene.structure))
             if settled.proven:

@@ -10,14 +10,12 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from symosc.base.aliases import Number
+from symosc.certificates.certificate import CORNER
 from symosc.engine.events import Event
 from symosc.engine.start import Start
 from symosc.friction import FrictionLaw
 from symosc.simulation.banded import BandedColumns
 from symosc.simulation.trajectory import Trajectory
-
-#: What a file calls the passage of a corner in place of the kind of an event.
-CORNER = "corner"
 
 
 class PassedCorner(NamedTuple):

@@ -28,6 +28,7 @@ import symosc.certificates.verify as verify
 from symosc.base.aliases import Number, Record
 from symosc.base.exact import power_of_ten, show
 from symosc.certificates.certificate import (
+    CORNER,
     STARTS,
     Certificate,
     confirmed,
@@ -36,7 +37,7 @@ from symosc.certificates.certificate import (
     provable,
     stated,
 )
-from symosc.certificates.corners import CORNER, Step, steps_of
+from symosc.certificates.corners import Step, steps_of
 from symosc.derivatives.sensitivities import sensitivities
 from symosc.engine.arithmetic import many_digits
 from symosc.engine.events import Event

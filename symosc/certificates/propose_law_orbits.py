@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from symosc.base.aliases import Number, Record
 from symosc.base.errors import ParameterError
-from symosc.certificates.certificate import Certificate, confirmed, law_entry, made_by
-from symosc.certificates.corners import CORNER, Step, steps_of
+from symosc.certificates.certificate import CORNER, Certificate, confirmed, law_entry, made_by
+from symosc.certificates.corners import Step, steps_of
 from symosc.certificates.propose import (
     DIGITS,
     NothingProposed,

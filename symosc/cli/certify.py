@@ -11,7 +11,6 @@ import click
 import symosc
 from symosc.base.errors import MissingExtraError
 from symosc.certificates.certificate import common_complex, common_digits
-from symosc.certificates.certify import is_papers
 from symosc.cli import options, output
 from symosc.cli.options import Settings, Text, option
 
@@ -52,6 +51,8 @@ def certify(
       symosc certify fig9 --orbit P32
       symosc certify fig9 --branch Omega=3:6
     """
+    from symosc.orbits.find import is_of_paper
+
     if scene is None:
         raise click.UsageError("Missing argument 'SCENE'.")
     is_no_motion = any(subject_options[name] for name in ("word", "span", "mapping"))
@@ -61,7 +62,7 @@ def certify(
             "--t-end, --start-error and --wrt are for motions, not for an orbit, branch or window"
         )
     problem = options.scene_with(scene, settings, t_end=t_end)
-    problem = options.reduced_scene(problem, any_law=not is_papers(problem.parameters))
+    problem = options.reduced_scene(problem, any_law=not is_of_paper(problem.parameters))
     certificate = _proof(problem, **subject_options)
     if path is not None:
         certificate.to_json(path)

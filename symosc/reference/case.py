@@ -186,8 +186,6 @@ class ReferenceCase:
         """The certificate of the events and of all provable derivatives; if nothing is proven, it
         says why.
         """
-        if not is_of_paper(self.parameters):
-            return Certificate("trajectory", False, self.open)
         if self._may_prove_derivatives:
             wrt = provable(self.scene.parameters, self.v0)
             certificate = certify(self.scene, digits=GIVEN_DIGITS, wrt=wrt)
@@ -201,7 +199,9 @@ class ReferenceCase:
         """Whether the certificate can enclose derivatives too."""
         # Not where the events themselves are not proven, nor for a start that is not known exactly.
         # A long run is proven by the orbit on which it settles, without derivatives.
-        return not self.open and not self.periods and not any(self.scene.start_error or ())
+        # Nor where the friction law is another one than the paper's.
+        is_known = not any(self.scene.start_error or ()) and is_of_paper(self.parameters)
+        return is_known and not self.open and not self.periods
 
     @property
     def proven(self) -> bool:

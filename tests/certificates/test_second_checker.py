@@ -6,7 +6,9 @@ from copy import deepcopy
 from fractions import Fraction
 from typing import Any
 
+import law_forgeries as laws
 import pytest
+from certificate_files import document
 from orbit_list import listed_orbits
 from second_checker import program, second_opinion
 
@@ -70,6 +72,34 @@ def test_most_short_orbits_are_confirmed_and_none_is_refused(first: int) -> None
     answers = [second_opinion(orbit.prove().as_dict()) for orbit in short[first::20]]
     assert not [each for each in answers if each.startswith("not proven")]
     assert answers.count("proven") >= 2
+
+
+#: Files about other friction laws: static friction, curves, three belts, no drive.
+LAWS = ("law S1", "law S8", "law 7 2", "law 7 10", "law-orbit stick-slip", "law-orbit falling")
+
+
+@pytest.mark.full(3)
+@pytest.mark.parametrize("name", LAWS)
+def test_other_friction_laws_are_confirmed(name: str) -> None:
+    assert second_opinion(document(name)) == "proven"
+
+
+@pytest.mark.full(3)
+@pytest.mark.parametrize(
+    "forged",
+    [
+        laws.crossing_through_static_friction,
+        laws.slip_of_kinetic_friction,
+        laws.constant_friction_with_a_curve,
+        laws.graze_of_static_friction,
+        laws.arrival_beyond_the_limit_that_sticks,
+        laws.belt_without_number,
+        laws.other_way_in,
+        laws.drive_left_out,
+    ],
+)
+def test_what_is_forged_about_other_laws_is_not_confirmed(forged: Any) -> None:
+    assert second_opinion(forged(), most_bits=256) != "proven"
 
 
 def shifted(ends: list[str]) -> list[str]:

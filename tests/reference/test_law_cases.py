@@ -16,7 +16,7 @@ from law_oracle import LawBelt, follow
 from symosc import Belt, Oscillator, ReferenceCase, load_scene, reference_cases, simulate
 from symosc.model import OSCILLATOR_NAMES
 from symosc.reference.folder import read_set, write_cases
-from symosc.reference.law_cases import LAW_GROUPS, UNPROVEN
+from symosc.reference.law_cases import LAW_GROUPS
 from symosc.reference.results import CaseResult, GivenEvent, read_results
 from symosc.reference.score import judge_case, score
 from symosc.simulation.tables import rows_of
@@ -46,8 +46,7 @@ def test_events_are_those_of_the_oracle(case: ReferenceCase) -> None:
             with mpmath.workdps(45):
                 assert mpmath.mpf(low) - exact < mpmath.mpf(10) ** -35
                 assert exact - mpmath.mpf(high) < mpmath.mpf(10) ** -35
-    assert case.status == case.expected_status == "computed, not proven"
-    assert case.open == UNPROVEN
+    assert case.status == case.expected_status == "proven"
     assert 0 < case.condition < 1e3
 
 

@@ -3,21 +3,24 @@
 // numbers (fixed-point intervals over GMP's integers) and another language.
 //
 // Input, as words on stdin (numbers are decimals n or fractions n/d):
-//   bits kind m c k A0 B0 Omega v1 v2 mu1 mu2 FN
+//   bits kind m c k A0 B0 Omega FN, number of belts, belts: v slope mu_s, number of points, points: w mu
 //   trajectory: t0 x0 v0, three errors, t_end, free (0, 1, 2 or -1), low, high, initial mode, number of events, events
 //   orbit: periods, half-widths of t and x, four numbers for each of two multipliers, stable (1, 0, -1), number, events
-//   an event: kind boundary source target t_low t_high x_low x_high reach; modes are 1 2 3 (domains), 4 5 (belts)
+//   an event: kind boundary source target t_low t_high x_low x_high reach; modes of n belts are 1 to n + 1 (domains),
+//   n + 2 to 2n + 1 (belts). A passage of a corner of a friction curve is an event too, of the kind "corner".
 // Output: "proven", or why not. Exit code 0, 1 (not proven) or 3 (more bits may help).
 //
 // The state is y = (x, v, C, S) with C = cos(Omega t), S = sin(Omega t), and columns (dx, dv): its derivatives at a
-// fixed time by t, x and v at the start of the mode. In every domain
+// fixed time by t, x and v at the start of the mode. Edges are the speeds of belts and corners; in every band between two
 //   x' = v, v' = a = (A + B0 C - k x - c v)/m, C' = -Omega S, S' = Omega C;  dx' = dv, dv' = -(k dx + c dv)/m,
-// and on a belt v' = 0, dv' = 0. Everything that ends a mode is linear in (1, x, v, C, S).
+// with the A and the c of the band, and on a belt v' = 0, dv' = 0. Everything that ends a mode is linear in (1, x, v, C, S).
+// Inside the program modes are 1 to N (bands), N + l (the stick on edge l).
 #include <gmpxx.h>
 
 #include <array>
 #include <cmath>
 #include <iostream>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -75,20 +78,77 @@ I read() { return exact(word()); }
 int whole() { return static_cast<int>(word().get_num().get_si()); }
 
 // ---- the oscillator, divided by its mass
-I k, c, B, Om, zero, one, speed[3], force[4], pi;
-mpq_class friction[3];
+I k, B, Om, zero, one, pi;
+struct Edge { I speed, excess; int belt; };  // excess of static friction, as an acceleration; belt 0: a corner
+struct Band { I c, force; int domain; };
+std::vector<Edge> edges(1);
+std::vector<Band> bands(1);
+std::vector<int> at_belts, at_corners;  // their edges
+int N;
 long step_exponent;  // steps take 2^-step_exponent
+struct Belt { mpq_class v, slope, mu_s; std::vector<std::pair<mpq_class, mpq_class>> curve; };
+// Line of a belt's friction where the relative speed is about w: its value at 0, and its slope.
+std::pair<mpq_class, mpq_class> line(const Belt& belt, const mpq_class& w) {
+    size_t n = belt.curve.size() - 1;
+    while (belt.curve[n].first > w) n--;
+    const auto& [from, mu] = belt.curve[n];
+    mpq_class slope = belt.slope;
+    if (n + 1 < belt.curve.size()) slope = (belt.curve[n + 1].second - mu) / (belt.curve[n + 1].first - from);
+    return {mu - slope * from, slope};
+}
+int name(int mode) {  // as files number modes
+    return mode <= N ? bands[mode].domain : static_cast<int>(at_belts.size()) + 1 + edges[mode - N].belt;
+}
 
 void read_oscillator() {
     mpq_class m = word(), damping = word(), spring = word(), A0 = word(), B0 = word(), omega = word();
-    mpq_class v1 = word(), v2 = word(), mu1 = word(), mu2 = word(), FN = word();
-    if (m <= 0 || omega <= 0 || damping < 0 || spring < 0 || mu1 < 0 || mu2 < 0 || FN < 0 || v1 >= v2)
-        refuse("parameters out of range");
-    k = exact(spring / m), c = exact(damping / m), B = exact(B0 / m), Om = exact(omega), zero = integer(0), one = integer(1);
-    speed[1] = exact(v1), speed[2] = exact(v2);
-    force[1] = exact((A0 + (mu1 + mu2) * FN) / m), force[2] = exact((A0 - (mu1 - mu2) * FN) / m);
-    force[3] = exact((A0 - (mu1 + mu2) * FN) / m);
-    double rate = mpq_class(damping / m).get_d() + std::sqrt(mpq_class(spring / m).get_d()) + omega.get_d();
+    mpq_class FN = word();
+    if (m <= 0 || omega <= 0 || damping < 0 || spring < 0 || FN < 0) refuse("parameters out of range");
+    k = exact(spring / m), B = exact(B0 / m), Om = exact(omega), zero = integer(0), one = integer(1);
+    std::vector<Belt> belts(whole());
+    std::map<mpq_class, int> places;  // of edges, with the number of the belt
+    for (size_t n = 0; n < belts.size(); n++) {
+        Belt& belt = belts[n];
+        belt.v = word(), belt.slope = word(), belt.mu_s = word();
+        belt.curve.resize(whole());
+        for (auto& [w, mu] : belt.curve) w = word(), mu = word();
+        bool right = !belt.curve.empty() && belt.curve[0].first == 0 && belt.slope >= 0 && belt.mu_s >= belt.curve[0].second;
+        for (size_t i = 0; right && i < belt.curve.size(); i++)
+            right = belt.curve[i].second >= 0 && (i == 0 || belt.curve[i].first > belt.curve[i - 1].first);
+        if (!right || (n > 0 && belts[n - 1].v >= belt.v)) refuse("a belt out of range");
+    }
+    for (const Belt& belt : belts)
+        for (const auto& [w, mu] : belt.curve) places[belt.v - w] = places[belt.v + w] = 0;
+    for (size_t n = 0; n < belts.size(); n++) places[belts[n].v] = static_cast<int>(n) + 1;
+    std::vector<std::pair<mpq_class, int>> all(places.begin(), places.end());
+    mpq_class c_before, A_before, fastest = 0;
+    for (size_t i = 0; i <= all.size(); i++) {  // the band above all[i - 1] and below all[i]
+        mpq_class inside = (all[i > 0 ? i - 1 : 0].first + all[i < all.size() ? i : i - 1].first) / 2;
+        if (i == 0) inside -= 1;
+        if (i == all.size()) inside += 1;
+        mpq_class c_here = damping, A_here = A0;
+        int domain = 1;
+        for (const Belt& belt : belts) {
+            int drags = inside < belt.v ? 1 : -1;
+            domain += drags < 0;
+            auto [mu, slope] = line(belt, drags * (belt.v - inside));
+            c_here += FN * slope, A_here += FN * (drags * mu + slope * belt.v);
+        }
+        if (i > 0) {
+            int belt = all[i - 1].second;
+            if (!belt && c_here == c_before && A_here == A_before) continue;  // no corner
+            mpq_class excess = 0;
+            if (belt) excess = (belts[belt - 1].mu_s - belts[belt - 1].curve[0].second) * FN / m;
+            (belt ? at_belts : at_corners).push_back(static_cast<int>(edges.size()));
+            edges.push_back({exact(all[i - 1].first), exact(excess), belt});
+        }
+        bands.push_back({exact(c_here / m), exact(A_here / m), domain});
+        c_before = c_here, A_before = A_here;
+        mpq_class damps = abs(c_here) / m;
+        if (damps > fastest) fastest = damps;
+    }
+    N = static_cast<int>(bands.size()) - 1;
+    double rate = fastest.get_d() + std::sqrt(mpq_class(spring / m).get_d()) + omega.get_d();
     for (step_exponent = -20; rate * std::pow(2.0, -static_cast<double>(step_exponent)) > 0.5;) step_exponent++;
     auto arctangent = [](long n) {  // of 1/n, by its alternating series
         I sum = zero, term = over(one, n);
@@ -115,8 +175,9 @@ I at(const Series& p, const I& t) {
 }
 State derivative(int mode, const State& s) {
     const auto& [x, v, C, S] = s.y;
-    bool flies = mode < 4;
-    State d{{v, flies ? force[mode] + B * C - k * x - c * v : zero, -(Om * S), Om * C}, {}};
+    bool flies = mode <= N;
+    const I& c = bands[flies ? mode : 1].c;
+    State d{{v, flies ? bands[mode].force + B * C - k * x - c * v : zero, -(Om * S), Om * C}, {}};
     for (const auto& [dx, dv] : s.columns) d.columns.push_back({dv, flies ? -(k * dx) - c * dv : zero});
     return d;
 }
@@ -129,7 +190,7 @@ Polynomial coefficients(int mode, const State& s, size_t order) {
         for (int i = 0; i < 4; i++) now.y[i] = p.y[i][n];
         for (const auto& each : p.columns) now.columns.push_back({each[0][n], each[1][n]});
         State next = derivative(mode, now);
-        if (n > 0 && mode < 4) next.y[1] = next.y[1] - force[mode];  // a constant has no further coefficient
+        if (n > 0 && mode <= N) next.y[1] = next.y[1] - bands[mode].force;  // a constant has no further coefficient
         for (int i = 0; i < 4; i++) p.y[i].push_back(over(next.y[i], n + 1));
         for (size_t j = 0; j < p.columns.size(); j++)
             for (int i = 0; i < 2; i++) p.columns[j][i].push_back(over(next.columns[j][i], n + 1));
@@ -188,27 +249,29 @@ I times(const Row& row, const State& s) {
 }
 
 // ---- what ends a mode: rows of a function that is > 0 while the mode lasts, of its first and its second derivative
-struct Guard { int belt, target; Row rows[3]; };  // a flight's belt; or the domain that a stick ends in
+struct Guard { int edge, target; Row rows[3]; };  // a flight's edge; or the band that a stick ends in
 Row scaled(const Row& row, int sign) {
     Row r = row;
     if (sign < 0) for (I& each : r) each = -each;
     return r;
 }
-Row acceleration(int domain) { return {force[domain], -k, -c, B, zero}; }
+Row acceleration(int band) { return {bands[band].force, -k, -bands[band].c, B, zero}; }
 std::vector<Guard> guards(int mode) {
     std::vector<Guard> all;
-    if (mode < 4) {
+    if (mode <= N) {
+        const I& c = bands[mode].c;
         Row a = acceleration(mode), jerk = {-(c * a[0]), -(c * a[1]), -k - c * a[2], -(c * a[3]), -(B * Om)};
-        for (auto [belt, sign] : {std::pair{mode - 1, 1}, std::pair{mode, -1}})
-            if (belt == 1 || belt == 2)
-                all.push_back({belt, 0, {scaled({-speed[belt], zero, one, zero, zero}, sign), scaled(a, sign), scaled(jerk, sign)}});
+        for (auto [edge, sign] : {std::pair{mode - 1, 1}, std::pair{mode, -1}})
+            if (edge > 0 && edge < N)
+                all.push_back({edge, 0, {scaled({-edges[edge].speed, zero, one, zero, zero}, sign), scaled(a, sign), scaled(jerk, sign)}});
     } else {
-        int belt = mode - 3;
-        for (auto [domain, sign] : {std::pair{belt, 1}, std::pair{belt + 1, -1}}) {
-            Row a = acceleration(domain);
-            a[0] = a[0] + a[2] * speed[belt], a[2] = zero;
-            Row slope = {-(k * speed[belt]), zero, zero, zero, -(B * Om)}, bend = {zero, zero, zero, -(B * Om * Om), zero};
-            all.push_back({belt, domain, {scaled(a, sign), scaled(slope, sign), scaled(bend, sign)}});
+        int edge = mode - N;
+        const I& speed = edges[edge].speed;
+        for (auto [band, sign] : {std::pair{edge, 1}, std::pair{edge + 1, -1}}) {
+            Row a = acceleration(band);
+            a[0] = a[0] + a[2] * speed + (sign > 0 ? edges[edge].excess : -edges[edge].excess), a[2] = zero;
+            Row slope = {-(k * speed), zero, zero, zero, -(B * Om)}, bend = {zero, zero, zero, -(B * Om * Om), zero};
+            all.push_back({edge, band, {scaled(a, sign), scaled(slope, sign), scaled(bend, sign)}});
         }
     }
     return all;
@@ -217,8 +280,8 @@ std::vector<Guard> guards(int mode) {
 // ---- a motion in one mode from a time in `begin` on; `state` belongs to the time `base`, the lower end of it
 // A set of them knows more: the state of its centre at `base`, and the derivatives of t, x, v at the start by s.
 using Columns = std::vector<std::array<I, 3>>;
-struct Phase { int mode; I begin; Z base; State state; int leaves[4]; State centre{}; Columns spread{}; };
-// leaves[belt]: the order of the first derivative that is not 0 at the start, 0 if the distance is not 0
+struct Phase { int mode; I begin; Z base; State state; std::vector<int> leaves; State centre{}; Columns spread{}; };
+// leaves[edge]: the order of the first derivative that is not 0 at the start, 0 if the distance is not 0
 
 // A state of a set lies within the centre's + columns s, s in [-1, 1] (mean value theorem).
 void narrow(State& state, const State& centre, const Columns& spread) {
@@ -232,7 +295,7 @@ void narrow(State& state, const State& centre, const Columns& spread) {
         state.y[i] = meet(state.y[i], value);
     }
 }
-struct Event { std::string kind; int belt, source, target; I t, x, reach; };
+struct Event { std::string kind; int edge, source, target; I t, x, reach; };
 
 long budget = 20000;
 // Prove that f > 0 from a to b (of which f' is given).
@@ -262,7 +325,7 @@ Reached follow(Phase phase, const Z& until, const Z& beyond, bool prove) {
         narrow(state, centre, phase.spread);
     };
     bool leaving = false;
-    for (const Guard& guard : all) leaving = leaving || (phase.mode < 4 && phase.leaves[guard.belt]);
+    for (const Guard& guard : all) leaving = leaving || (phase.mode <= N && phase.leaves[guard.edge]);
     while (true) {
         if ((budget -= 10) < 0) undecided("a budget of steps that is used up");
         bool last = until - base <= h;
@@ -271,7 +334,7 @@ Reached follow(Phase phase, const Z& until, const Z& beyond, bool prove) {
         if (leaving && prove) {  // what is 0 at the start has a derivative > 0 for a while
             Z first = near;
             for (const Guard& guard : all) {
-                int order = phase.leaves[guard.belt];
+                int order = phase.leaves[guard.edge];
                 if (!order) continue;
                 while (!positive(at(times(guard.rows[order], p), {0, first}))) {
                     first = down(first, 1);
@@ -279,7 +342,7 @@ Reached follow(Phase phase, const Z& until, const Z& beyond, bool prove) {
                 }
             }
             for (const Guard& guard : all)
-                if (!phase.leaves[guard.belt]) stays_positive(times(guard.rows[0], p), times(guard.rows[1], p), 0, first);
+                if (!phase.leaves[guard.edge]) stays_positive(times(guard.rows[0], p), times(guard.rows[1], p), 0, first);
             leaving = false;
             if (first < near) {
                 advance(p, first);
@@ -305,18 +368,18 @@ I root(const Series& f, const Series& slope, I range) {
 Phase enter(int mode, const I& when, const I& x, const I& v, const I& C, const I& S, const I& C_base, const I& S_base, bool from_slip = false) {
     State s{{x, v, C, S}, {}};
     State d = derivative(mode, s);
-    s.columns = {{-v, mode > 3 || from_slip ? zero : -d.y[1]}, {one, zero}, {zero, one}};
+    s.columns = {{-v, mode > N || from_slip ? zero : -d.y[1]}, {one, zero}, {zero, one}};
     I back{when.lo - when.hi, 0};
     State then = at(motion(mode, s, back), back);
     then.y[2] = C_base, then.y[3] = S_base;
-    return {mode, when, when.lo, then, {0, 0, 0, 0}};
+    return {mode, when, when.lo, then, std::vector<int>(edges.size())};
 }
 void clock(const I& t, I& C, I& S) {  // cos and sin of Omega t, by halving and doubling the angle
     long halvings = step_exponent + 2;
     for (Z size = std::max(abs(t.lo), abs(t.hi)) >> bits; size > 0; size >>= 1) halvings++;
     halvings = std::max(halvings, 0L);
     I part{down(t.lo, halvings), up(t.hi, halvings)};
-    State s = at(motion(4, {{zero, zero, one, zero}, {}}, hull(part, zero)), part);
+    State s = at(motion(N + 1, {{zero, zero, one, zero}, {}}, hull(part, zero)), part);
     C = s.y[2], S = s.y[3];
     for (long i = 0; i < halvings; i++) {
         I twice = integer(2) * C;
@@ -333,13 +396,13 @@ struct Passed { Z low, high; I t, x; std::array<std::array<I, 2>, 3> columns; in
 // Prove that the next event is the one stated (a crossing, a stick or a slip). Of some of the starts for which that is
 // `proven`, only find where it is.
 Passed pass(const Phase& phase, const Event& e, const Passed* proven = nullptr) {
-    bool flies = phase.mode < 4;
-    if (e.source != phase.mode) refuse("an event of another mode");
+    bool flies = phase.mode <= N;
+    if (e.source != name(phase.mode)) refuse("an event of another mode");
     auto all = guards(phase.mode);
     const Guard* ended = nullptr;
     for (const Guard& guard : all)
-        if (flies ? guard.belt == e.belt : guard.target == e.target) ended = &guard;
-    if (!ended || ended->belt != e.belt) refuse("an event at a belt where the motion is not");
+        if (flies ? guard.edge == e.edge : name(guard.target) == e.target) ended = &guard;
+    if (!ended || ended->edge != e.edge) refuse("an event at a belt where the motion is not");
     Z w = e.t.hi - e.t.lo + e.reach.hi, low, high;
     Reached seen;
     Series f, slope;
@@ -362,13 +425,14 @@ Passed pass(const Phase& phase, const Event& e, const Passed* proven = nullptr) 
     State s = at(seen.p, when);
     int target = ended->target;
     if (flies) {
-        int other = phase.mode == e.belt ? e.belt + 1 : e.belt;  // the domain beyond the belt
-        I before = times(acceleration(phase.mode), s), after = times(acceleration(other), s);
-        if (!(positive(after) || negative(after))) undecided("the force beyond the belt");
-        target = positive(before) == positive(after) ? other : e.belt + 3;
+        bool up = phase.mode == e.edge;
+        int other = up ? e.edge + 1 : e.edge;  // the band beyond the edge
+        I after = times(acceleration(other), s), spare = (up ? after : -after) - edges[e.edge].excess;
+        if (!(positive(spare) || negative(spare))) undecided("the force beyond the belt");
+        target = positive(spare) ? other : N + e.edge;
     }
-    std::string kind = !flies ? "slip" : target > 3 ? "stick" : "cross";
-    if (kind != e.kind || target != e.target) refuse("an event of another kind");
+    std::string kind = !flies ? "slip" : target > N ? "stick" : edges[e.edge].belt ? "cross" : "corner";
+    if (kind != e.kind || name(target) != e.target) refuse("an event of another kind");
     Z m = middle(when);
     I x = meet(s.y[0], at(seen.p.y[0], thin(m)) + s.y[1] * (when - thin(m)));
     I rate = times(ended->rows[1], s);
@@ -376,16 +440,17 @@ Passed pass(const Phase& phase, const Event& e, const Passed* proven = nullptr) 
     for (int i = 0; i < 3; i++) {
         const auto& [dx, dv] = s.columns[i];
         I dt = -(ended->rows[0][1] * dx + ended->rows[0][2] * dv) / rate;
-        columns[i] = {dt, dx + speed[e.belt] * dt};
+        columns[i] = {dt, dx + edges[e.edge].speed * dt};
     }
-    return {low, high, when + thin(seen.base), x, columns, target, seen, flies ? 1 : 2};
+    bool jumps = positive(edges[e.edge].excess);  // a slip begins with a force
+    return {low, high, when + thin(seen.base), x, columns, target, seen, flies || jumps ? 1 : 2};
 }
 // Enter the mode behind an event, from enclosures of its time and position.
-Phase behind(const Passed& passed, int belt, const I& t, const I& x) {
+Phase behind(const Passed& passed, int edge, const I& t, const I& x) {
     const Reached& seen = passed.seen;
     State there = at(seen.p, t - thin(seen.base)), base = at(seen.p, thin(t.lo - seen.base));
-    Phase next = enter(passed.target, t, x, speed[belt], there.y[2], there.y[3], base.y[2], base.y[3], passed.order == 2);
-    if (passed.target < 4) next.leaves[belt] = passed.order;
+    Phase next = enter(passed.target, t, x, edges[edge].speed, there.y[2], there.y[3], base.y[2], base.y[3], passed.order == 2);
+    if (passed.target <= N) next.leaves[edge] = passed.order;
     return next;
 }
 void inside(const I& value, const I& stated, const char* what) {
@@ -409,7 +474,7 @@ Set step(const Set& set, const Event& e, I* t, I* x, Passed* passed) {
     *passed = pass(set.wide, e);
     *t = passed->t, *x = passed->x;
     if (set.columns.empty()) {
-        Phase next = behind(*passed, e.belt, *t, *x);
+        Phase next = behind(*passed, e.edge, *t, *x);
         return Set(next, next, {});
     }
     Columns columns;
@@ -423,7 +488,7 @@ Set step(const Set& set, const Event& e, I* t, I* x, Passed* passed) {
     I all_t = thinner.t, all_x = thinner.x;
     for (const auto& each : columns) all_t = all_t + plus_minus(each[0]), all_x = all_x + plus_minus(each[1]);
     *t = meet(*t, all_t), *x = meet(*x, all_x);
-    Set next(behind(*passed, e.belt, *t, *x), behind(thinner, e.belt, thinner.t, thinner.x), columns);
+    Set next(behind(*passed, e.edge, *t, *x), behind(thinner, e.edge, thinner.t, thinner.x), columns);
     passed->t = thinner.t, passed->x = thinner.x;  // of the centre
     return next;
 }
@@ -431,10 +496,13 @@ std::vector<Event> read_events() {
     std::vector<Event> events(whole());
     for (Event& e : events) {
         std::cin >> e.kind;
-        e.belt = whole(), e.source = whole(), e.target = whole();
+        const auto& known = e.kind == "corner" ? at_corners : at_belts;
+        int boundary = whole();
+        if (boundary < 1 || boundary > static_cast<int>(known.size())) refuse("an event at no belt");
+        e.edge = known[boundary - 1], e.source = whole(), e.target = whole();
         I t_low = read(), t_high = read(), x_low = read(), x_high = read();
         e.t = {t_low.lo, t_high.hi}, e.x = {x_low.lo, x_high.hi}, e.reach = read();
-        if (e.t.lo >= e.t.hi || e.x.lo >= e.x.hi || e.reach.lo < 0 || e.belt < 1 || e.belt > 2) refuse("an event out of range");
+        if (e.t.lo >= e.t.hi || e.x.lo >= e.x.hi || e.reach.lo < 0) refuse("an event out of range");
     }
     return events;
 }
@@ -443,7 +511,8 @@ std::vector<Event> read_events() {
 // derivative by the start is not 0). Return the phase behind the touch, with all starts.
 Phase touch(const Set& set, const std::vector<Phase>& limits, const Event& e, I* t, I* x) {
     const Phase& wide = set.wide;
-    if (wide.mode > 3 || e.source != wide.mode || e.target != wide.mode) refuse("a graze of another mode");
+    if (positive(edges[e.edge].excess)) refuse("a graze of a belt that holds what touches it");
+    if (wide.mode > N || e.source != name(wide.mode) || e.target != e.source) refuse("a graze of another mode");
     Z w = e.t.hi - e.t.lo, low = e.t.lo - 4 * w, high = e.t.hi + 4 * w;
     Reached seen = follow(wide, low, high, true);
     I range{low - seen.base, high - seen.base}, when;
@@ -451,7 +520,7 @@ Phase touch(const Set& set, const std::vector<Phase>& limits, const Event& e, I*
     auto all = guards(wide.mode);
     for (const Guard& guard : all) {
         Series f = times(guard.rows[0], seen.p), slope = times(guard.rows[1], seen.p), bend = times(guard.rows[2], seen.p);
-        if (guard.belt != e.belt) {
+        if (guard.edge != e.edge) {
             if (!positive(at(f, range))) undecided("another event beside a graze");
             continue;
         }
@@ -477,8 +546,8 @@ Phase touch(const Set& set, const std::vector<Phase>& limits, const Event& e, I*
     if (!found) refuse("a graze of a belt that is not beside the domain");
     State s = at(seen.p, when), base = at(seen.p, thin(when.lo));
     *t = when + thin(seen.base), *x = s.y[0];
-    Phase next = enter(wide.mode, *t, *x, speed[e.belt], s.y[2], s.y[3], base.y[2], base.y[3], true);
-    next.leaves[e.belt] = 2;
+    Phase next = enter(wide.mode, *t, *x, edges[e.edge].speed, s.y[2], s.y[3], base.y[2], base.y[3], true);
+    next.leaves[e.edge] = 2;
     return next;
 }
 
@@ -496,11 +565,11 @@ void trajectory() {
     if (end <= begin[0] || error[0] < 0 || error[1] < 0 || error[2] < 0) refuse("t_end or errors out of range");
     I v0 = exact(begin[2]), wide_v{v0.lo - exact(error[2]).hi, v0.hi + exact(error[2]).hi};
     int at_belt = 0, found = 1;
-    for (int belt : {1, 2}) {
-        if (positive(wide_v - speed[belt])) found = belt + 1;
-        else if (!negative(wide_v - speed[belt])) at_belt = belt;
+    for (int edge = 1; edge < N; edge++) {
+        if (positive(wide_v - edges[edge].speed)) found = edge + 1;
+        else if (!negative(wide_v - edges[edge].speed)) at_belt = edge;
     }
-    if (at_belt && (error[2] != 0 || within(speed[at_belt], wide_v))) undecided("a start near a belt");
+    if (at_belt && (error[2] != 0 || within(edges[at_belt].speed, wide_v))) undecided("a start near a belt");
     Columns columns;
     for (int i = 0; i < 3; i++) {
         if (error[i] == 0) continue;
@@ -513,21 +582,23 @@ void trajectory() {
         return start(value[0], value[1], value[2], in);
     };
     if (at_belt) {
-        State s = make(begin, error, at_belt + 3).state;
-        s.y[1] = speed[at_belt];
-        I below = times(acceleration(at_belt), s), above = times(acceleration(at_belt + 1), s);
+        State s = make(begin, error, N + at_belt).state;
+        s.y[1] = edges[at_belt].speed;
+        I below = times(acceleration(at_belt), s) + edges[at_belt].excess;
+        I above = times(acceleration(at_belt + 1), s) - edges[at_belt].excess;
         if (!(positive(below) || negative(below)) || !(positive(above) || negative(above))) undecided("a force at the start");
-        found = positive(below) && negative(above) ? at_belt + 3 : positive(above) ? at_belt + 1 : at_belt;
+        found = positive(below) && negative(above) ? N + at_belt : positive(above) ? at_belt + 1 : at_belt;
     }
-    if (mode != found) refuse("another mode at the start");
+    if (mode != name(found)) refuse("another mode at the start");
+    mode = found;
     mpq_class none[3] = {0, 0, 0}, ends[2][3] = {{begin[0], begin[1], begin[2]}, {begin[0], begin[1], begin[2]}};
     Set set(make(begin, error, mode), make(begin, none, mode), columns);
-    if (at_belt && mode < 4) set.wide.leaves[at_belt] = set.centre.leaves[at_belt] = 1;
+    if (at_belt && mode <= N) set.wide.leaves[at_belt] = set.centre.leaves[at_belt] = 1;
     std::vector<Phase> limits;
     if (free >= 0) {
         ends[0][free] = low, ends[1][free] = high;
         for (auto& each : ends) limits.push_back(make(each, none, mode));
-        if (at_belt && mode < 4) limits[0].leaves[at_belt] = limits[1].leaves[at_belt] = 1;
+        if (at_belt && mode <= N) limits[0].leaves[at_belt] = limits[1].leaves[at_belt] = 1;
     }
     for (const Event& e : events) {
         I t, x;
@@ -540,7 +611,7 @@ void trajectory() {
             set = step(set, e, &t, &x, &passed);
             for (Phase& each : limits) {
                 Passed own = pass(each, e, &passed);
-                each = behind(own, e.belt, own.t, own.x);
+                each = behind(own, e.edge, own.t, own.x);
             }
         }
         inside(t, e.t, "the time of an event"), inside(x, e.x, "the position of an event");
@@ -557,9 +628,14 @@ void orbit() {
     int stable = whole();
     std::vector<Event> events = read_events();
     const Event &e0 = events.at(0), &last = events.back();
-    if (events.size() < 2 || e0.kind != last.kind || e0.belt != last.belt || e0.source != last.source ||
-        e0.target != last.target || e0.kind == "slip" || periods < 1)
+    if (events.size() < 2 || e0.kind != last.kind || e0.edge != last.edge || e0.source != last.source ||
+        e0.target != last.target || e0.kind == "slip" || e0.kind == "corner" || periods < (B.lo == 0 && B.hi == 0 ? 0 : 1))
         refuse("a last event that is not the first one");
+    bool free = periods == 0;  // a cycle without a drive, which may begin at any time
+    int first_mode = 0;
+    for (int mode : {e0.edge, e0.edge + 1, N + e0.edge})
+        if (name(mode) == e0.target) first_mode = mode;
+    if (!first_mode) refuse("a first event that leads elsewhere");
     I turn = integer(2 * periods) * pi / Om;
     Z centre[2] = {middle(e0.t), middle(e0.x)}, first[2] = {centre[0], centre[1]};
     Z e[2] = {half[0].hi, half[1].hi}, most[2] = {half[0].lo, half[1].lo};
@@ -568,8 +644,8 @@ void orbit() {
         auto make = [&](bool wide) {
             I t = wide ? I{centre[0] - e[0], centre[0] + e[0]} : thin(centre[0]);
             I x = wide ? I{centre[1] - e[1], centre[1] + e[1]} : thin(centre[1]);
-            Phase phase = start(t, x, speed[e0.belt], e0.target);
-            if (e0.target < 4) phase.leaves[e0.belt] = 1;
+            Phase phase = start(t, x, edges[e0.edge].speed, first_mode);
+            if (first_mode <= N) phase.leaves[e0.edge] = 1;
             return phase;
         };
         Set set(make(true), make(false), {{thin(e[0]), zero, zero}, {zero, thin(e[1]), zero}});
@@ -585,9 +661,10 @@ void orbit() {
         // Krawczyk's operator of P(u) - u, in units of the box: s in [-1, 1]^2, J = diag(1/e) D - 1. The box stated has at
         // most one orbit; a smaller one inside has one.
         I J[2][2], off[2];
-        for (int i = 0; i < 2; i++) {
+        if (free) J[0][0] = -one, J[0][1] = J[1][0] = off[0] = zero;
+        for (int i = free; i < 2; i++) {
             off[i] = (centres.back()[i] - thin(centre[i]) - (i ? zero : turn)) / thin(e[i]);
-            for (int j = 0; j < 2; j++) J[i][j] = columns.back()[j][i] / thin(e[i]) - (i == j ? one : zero);
+            for (int j = free; j < 2; j++) J[i][j] = columns.back()[j][i] / thin(e[i]) - (i == j ? one : zero);
         }
         I a = thin(middle(J[0][0])), b = thin(middle(J[0][1])), g = thin(middle(J[1][0])), d = thin(middle(J[1][1]));
         I det = a * d - b * g;
@@ -611,6 +688,7 @@ void orbit() {
             }
         if (narrow && round > 1) {
             I T = (J[0][0] + J[1][1]) + integer(2), D = stuck ? zero : (J[0][0] + one) * (J[1][1] + one) - J[0][1] * J[1][0];
+            if (free) D = stuck ? zero : J[1][1] + one, T = one + D;
             auto polynomial = [&](const I& z) { return z * z - T * z + D; };
             bool real = stated[0][2].lo == 0 && stated[0][3].hi == 0 && stated[1][2].lo == 0 && stated[1][3].hi == 0;
             for (int i = 0; i < 2; i++) {
@@ -631,6 +709,7 @@ void orbit() {
             }
             if (real && !stuck && !(stated[0][0].lo > stated[1][1].hi || stated[1][0].lo > stated[0][1].hi)) undecided("two multipliers");
             I size = plus_minus(D), trace = plus_minus(T);
+            if (free) trace = zero, T = zero;  // the multiplier 1 is that of the phase
             bool in = positive(one - thin(size.hi)) && positive(one + D - thin(trace.hi));
             bool out = negative(one - D) || negative(one + D - T) || negative(one + D + T);
             if (stable >= 0 && !in && !out) undecided("stability");
@@ -638,7 +717,7 @@ void orbit() {
             return;
         }
         if (round > 3) undecided("a narrower box around the orbit");
-        for (int i = 0; i < 2; i++) {  // a smaller box around the orbit, in the one where it is alone
+        for (int i = free; i < 2; i++) {  // a smaller box around the orbit, in the one where it is alone
             I place = thin(centre[i]) + s[i] * thin(e[i]);
             centre[i] = middle(place), e[i] = place.hi - place.lo + 4;
             if (abs(centre[i] - first[i]) + e[i] >= most[i]) undecided("a smaller box in the other");

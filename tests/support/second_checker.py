@@ -15,8 +15,7 @@ from typing import Any
 
 from programs import built
 
-NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
-MODES = ("", "Omega1", "Omega2", "Omega3", "belt1", "belt2")
+NAMES = ("m", "c", "k", "A0", "B0", "Omega", "FN")
 STARTS = ("t0", "x0", "v0")
 UNDECIDED = 3  # the exit code that asks for more bits
 
@@ -28,7 +27,17 @@ def program() -> Path | None:
 
 def words(data: dict[str, Any]) -> str:
     """Return what the checker reads of a certificate."""
-    found = [data["kind"], *(data["parameters"][name] for name in NAMES)]
+    p = data["parameters"]
+    belts = p.get("belts") or [
+        {"v": p[f"v{n}"], "slope": 0, "mu_s": p[f"mu{n}"], "curve": [[0, p[f"mu{n}"]]]}
+        for n in (1, 2)
+    ]
+    domains = [f"Omega{n + 1}" for n in range(len(belts) + 1)]
+    modes = ["", *domains, *(f"belt{n + 1}" for n in range(len(belts)))]
+    found = [data["kind"], *(p[name] for name in NAMES), len(belts)]
+    for belt in belts:
+        found += [belt[name] for name in ("v", "slope", "mu_s")]
+        found += [len(belt["curve"]), *(number for point in belt["curve"] for number in point)]
     if data["kind"] == "trajectory":
         found += [*(data["start"][name] for name in STARTS), *data["start_error"], data["t_end"]]
         if data["starts"] == "some":
@@ -39,7 +48,7 @@ def words(data: dict[str, Any]) -> str:
             STARTS.index(free["name"]) if free["name"] else -1,
             free["low"],
             free["high"],
-            MODES.index(data["mode"]),
+            modes.index(data["mode"]),
         ]
     else:
         found += [data["periods"], *data["alone_within"]]
@@ -50,11 +59,11 @@ def words(data: dict[str, Any]) -> str:
         found += [
             row["kind"],
             row["boundary"],
-            MODES.index(row["source"]),
-            MODES.index(row["target"]),
+            modes.index(row["source"]),
+            modes.index(row["target"]),
         ]
         found += [*row["t"], *row["x"], row.get("reach", 0)]
-    kinds = {"trajectory", "orbit", "stick", "slip", "cross", "graze"}
+    kinds = {"trajectory", "orbit", "stick", "slip", "cross", "graze", "corner"}
     return " ".join(str(word if word in kinds else Fraction(word)) for word in found)
 
 

@@ -30,6 +30,7 @@ def items(scope: Scope) -> Items:
     grazing windows.
     """
     yield _motions()
+    yield _laws()
     yield _orbits()
     yield _windows()
 
@@ -145,6 +146,75 @@ def _motions() -> Items:
         r"This is the one graze of an exact start that is decided, in rational numbers: "
         r"$\dot{x}_i$ and $\ddot{x}_i$ are rational at an exact start, where a stick ends "
         r"($\dot{x}_i = v_\lambda$, $\ddot{x}_i = 0$), and at such a touch.",
+    )
+
+
+def _laws() -> Items:
+    """Yield the items on motions under other friction laws."""
+    u = sp.Function("u")(U)
+    weighted = named(r"\frac{d}{ds}\bigl(e^{cs/m}\dot{u}\bigr)")
+    r = named("r")
+    push = named("D")
+    most = sp.Symbol("M", positive=True)
+    known = sp.Symbol("K", positive=True)
+    factor = sp.Symbol("ell", positive=True)
+    weight = sp.exp(c / m * U)
+    pushed = (weight * u.diff(U)).diff(U).subs(u.diff(U, 2), r - c / m * u.diff(U) - k / m * u)
+    bound = known + U * factor * (push + k / m * most)
+    solved = (known + U * factor * push) / (1 - U * factor * k / m)
+    square = named("F^2")
+    amplitude = named("a^2")
+    yield (
+        r"\subsection{Motions under any friction law}",
+        r"The checker derives the bands of Proposition~\ref{thm:friction_curves-bands} from the "
+        r"belts, and follows a motion from edge to edge. In each band it has the linear equation "
+        r"with the damping $c$ of the band, of any sign; at a belt "
+        r"Theorem~\ref{thm:static_friction-cases} says what follows, and during a stick the gaps "
+        r"are $F^{(b)} + E$ and $E - F^{(b+1)}$. At a corner with $F \ne 0$ the motion goes on "
+        r"into the other band (Theorem~\ref{thm:friction_curves-corner}). Only the bound of "
+        r"$u = \ddot{g}$ in a step and the use of its energy for all times depend on the sign of "
+        r"$c$; the latter is left to bands with $c \ge 0$.",
+        r"\begin{lemma}[a step in any band]\label{thm:certificates-growth} Let $\ddot{u} + "
+        r"(c/m)\dot{u} + (k/m)u = r$ with $|r| \le D$, let $\gamma = \exp(\max(-c, 0)\,h/m)$, and "
+        r"$\ell = \min(h, m/c)$ if $c > 0$, else $\ell = \gamma h$. For times $s$ from 0 to $h$, "
+        r"with $u$ and $\dot{u}$ on the right at $s = 0$,\begin{enumerate}\item[(i)] $|u(s)| \le "
+        r"\gamma\,\bigl((u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}\bigr)$ for $k > 0$;"
+        r"\item[(ii)] $|u(s)| \le (|u| + \gamma h |\dot{u}| + h \ell D)/(1 - h \ell k/m)$ if the "
+        r"divisor is positive.\end{enumerate}\end{lemma}",
+        r"\begin{proof} (i) is the proof of Theorem~\ref{thm:friction_curves-bounds}~(ii), with "
+        r"$D$ in place of $|a|\Omega^3$ and divided by $(k/m)^{1/2}$; there $2h_{-} = "
+        r"\max(-c, 0)/m$. (ii) Let $M$ be the largest $|u|$ of these times. By",
+        equation(
+            weighted,
+            sp.exp(c / m * U) * (r - k / m * u),
+            exact({weighted: pushed}),
+            "weighted",
+        ),
+        r"(with $s$ for the time), $|\dot{u}(s)| \le e^{-cs/m}|\dot{u}| + \int_0^s "
+        r"e^{-c(s - \sigma)/m}\,d\sigma\,(D + kM/m) \le \gamma|\dot{u}| + \ell\,(D + kM/m)$. "
+        r"So $M \le |u| + \gamma h|\dot{u}| + h\ell\,(D + kM/m)$; equality is reached at the "
+        r"bound of (ii).",
+        facts(equation(bound.subs(most, solved), solved, exact())),
+        r"\end{proof}",
+        r"\begin{lemma}[exact arrivals]\label{thm:certificates-arrival} Let $c = B_0 = 0 < k$ in "
+        r"the band of a flight with the constant sum $a^2$ of \eqref{eq:certificates-circle}. It "
+        r"meets an edge of the speed $v_\lambda$ with",
+        equation(
+            square,
+            k / m * (amplitude - v_lambda**2),
+            exact({amplitude: v_lambda**2 + m / k * square}),
+            "arrival",
+        ),
+        r"If this is exactly the limit up to which the belt holds, and $v_\lambda \ne 0$, the mass "
+        r"sticks if it arrives in the direction of $v_\lambda$, and crosses if not.\end{lemma}",
+        r"\begin{proof} During a stick the force changes at the rate $-k v_\lambda/m$: it falls, "
+        r"and holds, where $v_\lambda$ points in the direction of the arrival.\end{proof}",
+        r"At the end of a stick $F$ is 0 or the excess of static friction, so that $a^2$ is rational "
+        r"there too. A touch of a belt with static friction, or of a corner, is a double zero and "
+        r"stays open. A cycle without a drive is a fixed point of the map $P$ of $x$ alone, from an "
+        r"arrival at a belt to the next one of its kind: no time is another. "
+        r"Theorem~\ref{thm:certificates-newton} in one dimension proves it; its multipliers are 1 "
+        r"and $P'$. No theorem asks that the motions contract: unstable orbits are proven alike.",
     )
 
 

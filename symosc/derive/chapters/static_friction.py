@@ -614,8 +614,8 @@ _FALLS = (
         r"An atlas would need all attracting motions.",
     ),
     (
-        r"Certificates of orbits and branches as far as they use the contraction, "
+        r"Certificates of branches and planes as far as they use the contraction, "
         r"Chapter~\ref{sec:certificates}",
-        r"Events one by one can still be enclosed.",
+        r"Events one by one and orbits are proven.",
     ),
 )
