@@ -16,7 +16,6 @@ from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.law_curve import CurvePoint, LawCurve, LawCurveEnd
 from symosc.orbits.law_margins import margins
 from symosc.orbits.settling import settled_orbit_of
-from symosc.orbits.shooting import orbit_near
 
 #: A margin that is a larger part of its like than this has not vanished.
 VANISHED = 1e-3
@@ -59,7 +58,7 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
     if not vanished:
         message = "no orbit with the word is found beyond"
         return LawEnd("no convergence", end.value, message, tuple(found[:1]), beyond)
-    first = min(vanished, key=lambda margin: margin.value / margin.scale)
+    first = min(vanished, key=lambda margin: (margin.rank, margin.value / margin.scale))
     message = f"the condition '{first.text}' fails at t = {first.t:.6g}"
     kind = first.event
     if not near:
@@ -76,12 +75,8 @@ def _beyond(curve: LawCurve, points: list[CurvePoint]) -> tuple[str | None, bool
     goes = 1.0 if last.tangent[2] > 0 else -1.0
     for part in BEYOND:
         value = last.value + goes * part * (curve.high - curve.low)
-        try:
-            t, x, v = last.t, last.x, float(last.section.speed)
-            orbit = orbit_near(curve.law(value), t, x, v, curve.periods or None)
-        except SymoscError:
-            continue
-        if orbit.is_rest or orbit.labels == last.orbit.labels:
+        orbit = curve.orbit_near(last, value)
+        if orbit is None or orbit.labels == last.orbit.labels:
             continue
         off = abs(float(orbit.period) - last.span) / last.span
         times = np.linspace(0.0, last.span, SAMPLES)
