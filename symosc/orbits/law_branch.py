@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.base.errors import SymoscError
+from symosc.base.errors import ParameterError, SymoscError
 from symosc.orbits.admissibility import Condition
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.law_curve import CurvePoint, LawCurve, LawCurveEnd
@@ -41,9 +41,10 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
     """Return the end of a branch with what happens there."""
     name = curve.parameter
     if end.why == "range":
-        return LawEnd(
-            "end of the range", end.value, f"{name} reaches the end of its range", (), None
-        )
+        message = f"{name} reaches the end of its range"
+        if not _is_allowed_beyond(curve, points[-1]):
+            message += ", beyond which there is no such friction law"
+        return LawEnd("end of the range", end.value, message, (), None)
     if end.why == "most":
         return LawEnd("max_points", end.value, "the branch goes on", (), None)
     if end.why == "closed":
@@ -67,6 +68,16 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
         if other:
             message += f", the motion goes to {other}"
     return LawEnd(kind, end.value, message, vanished, beyond)
+
+
+def _is_allowed_beyond(curve: LawCurve, last: CurvePoint) -> bool:
+    """Return whether a law may have a value of the parameter just beyond the last one."""
+    goes = 1.0 if last.tangent[2] > 0 else -1.0
+    try:
+        curve.law(last.value + goes * BEYOND[0] * (curve.high - curve.low))
+    except ParameterError:
+        return False
+    return True
 
 
 def _beyond(curve: LawCurve, points: list[CurvePoint]) -> tuple[str | None, bool]:

@@ -85,6 +85,8 @@ BEYOND_END = 1e-9
 LEAST_PART = 1e-9
 #: An end is looked for as far ahead as this times the step that found no orbit.
 REACH = 2.0
+#: A value of the parameter is an end of the range within this part of it.
+ROUNDING = 1e-15
 #: Points before the curve may be closed.
 LEAST_LOOP = 12
 
@@ -186,11 +188,19 @@ class LawCurve:
             self._laws[value] = LawInDoubles(self.law(value))
         return self._laws[value]
 
+    def split(self, z: np.ndarray) -> tuple[float, float, float]:
+        """Return time, position and the value of the parameter for scaled unknowns."""
+        t, x, value = (z * self.scale).tolist()
+        for bound in (self.low, self.high):  # beyond it there may be no law, by a rounding
+            if abs(value - bound) <= ROUNDING * abs(bound):
+                value = bound
+        return t, x, value
+
     def passage(self, itinerary: Itinerary, z: np.ndarray) -> MotionOnWay | None:
         """Return the motion along an itinerary for the unknowns z = (t, x, value), None if there is
         none.
         """
-        t, x, value = (z * self.scale).tolist()
+        t, x, value = self.split(z)
         try:
             followed = itinerary.follow(self.in_doubles(value), t, x)
         except (ParameterError, OverflowError):
@@ -309,20 +319,27 @@ class LawCurve:
         across: np.ndarray,
         like: np.ndarray,
         any_word: bool = False,
+        before: np.ndarray | None = None,
     ) -> CurvePoint | None:
         """Return the orbit in the plane through `guess` across a direction, with a tangent like
         another; None if none is found near, or only one with another word unless that is allowed.
+        `before` are the unknowns of an orbit from which the next one is looked for.
 
         The engine follows it. Where its motion passes other corners than the itinerary, it gives the
         next itinerary.
         """
-        found: PointFound | None = None
+        begins = [guess]
+        if before is not None and not across[:2].any():
+            # From the guess the motion may not reach the belt, from where it was it does.
+            begins.append(np.append(before[:2], guess[2]))
         for _ in range(MOST_ITINERARIES):
-            begin = guess if found is None else found.z
-            found = self.corrected(itinerary, begin, guess, span, across)
+            found = None
+            for begin in begins:
+                found = found or self.corrected(itinerary, begin, guess, span, across)
             if found is None:
                 return None
-            t, x, value = (found.z * self.scale).tolist()
+            begins = [found.z]
+            t, x, value = self.split(found.z)
             try:
                 section = replace(section, law=self.law(value))
             except ParameterError:
@@ -358,7 +375,7 @@ class LawCurve:
             # at one value of the parameter there is one law only
             across = np.array([0.0, 0.0, 1.0])
         later = self.point_across(
-            point.section, point.itinerary, guess, point.span, across, point.tangent
+            point.section, point.itinerary, guess, point.span, across, point.tangent, before=z
         )
         if later is None:
             return None
@@ -381,7 +398,7 @@ class LawCurve:
         """Return a point of the curve with its orbit; None if the motion does not close, or has
         another word unless that is allowed.
         """
-        t, x, value = (found.z * self.scale).tolist()
+        t, x, value = self.split(found.z)
         changes = found.followed.changes
         orbit = followed_orbit(
             section, t, x, found.span, self.periods, changes, 0.0, 0, None, motion
@@ -479,6 +496,10 @@ class LawCurve:
                     step = max(step, FIRST_STEP / 10)
             point = points[-1]
             trial = min(step, bad / 2)
+            final = self.at_end_of_range(point, trial)
+            if final is not None:
+                events += self.events_between(point, final)
+                return [*points, final], events, LawCurveEnd("range", final.value)
             later = self.point_near(point, trial)
             if later is None and tried_any < len(points):
                 # The section may be in the way: the next orbits need not pass it.
@@ -652,18 +673,47 @@ class LawCurve:
             and linear.dot(off, points[0].tangent) < 0
         )
 
+    def at_end_of_range(self, point: CurvePoint, step: float) -> CurvePoint | None:
+        """Return the orbit at the end of the range if a step along the tangent leads beyond it, where
+        the law may not be allowed; None if it does not, or none is found.
+        """
+        if abs(point.tangent[2]) < ALONG_PARAMETER:
+            return None
+        ahead = point.value + step * float(point.tangent[2]) * self.scale[2]
+        if self.low <= ahead <= self.high:
+            return None
+        limit = self.high if ahead > self.high else self.low
+        part = (limit - point.value) / (ahead - point.value)
+        if part * step > LONGEST_STEP:
+            return None
+        guess = self.unknowns(point) + part * step * point.tangent
+        inward = self.value - limit
+        shift = float(np.sign(inward)) * BEFORE_END * RESOLUTION * self.scale[2]
+        for value in (limit, limit + shift):  # with the limit itself the orbit may be gone
+            found = self.point_on_limit(point, guess, value)
+            if found is not None and linear.dot(found.tangent, point.tangent) > LEAST_COSINE:
+                return found._replace(value=limit)
+        return None
+
+    def point_on_limit(
+        self, point: CurvePoint, guess: np.ndarray, limit: float
+    ) -> CurvePoint | None:
+        """Return the orbit at an end of the range, near a point and a guess."""
+        guess[2] = limit / self.scale[2]
+        along = np.array([0.0, 0.0, 1.0])
+        z = self.unknowns(point)
+        found = self.point_across(
+            point.section, point.itinerary, guess, point.span, along, point.tangent, before=z
+        )
+        return found and found._replace(value=limit)
+
     def at_limit(self, before: CurvePoint, beyond: CurvePoint) -> CurvePoint | None:
         """Return the orbit at the limit of the range between two points."""
         limit = self.high if beyond.value > self.high else self.low
         part = (limit - before.value) / (beyond.value - before.value)
         z = self.unknowns(before)
         guess = z + part * (self.unknowns(beyond) - z)
-        guess[2] = limit / self.scale[2]
-        along = np.array([0.0, 0.0, 1.0])
-        point = self.point_across(
-            before.section, before.itinerary, guess, before.span, along, before.tangent
-        )
-        return point and point._replace(value=limit)
+        return self.point_on_limit(before, guess, limit)
 
     # -- events ------------------------------------------------------------------------------------
 

@@ -57,6 +57,16 @@ def test_without_damping_the_branch_follows_the_closed_form() -> None:
     assert (t, x) == pytest.approx((0, 2), abs=1e-11)
 
 
+def test_a_branch_reaches_the_least_static_friction_that_there_is() -> None:
+    """Without damping the stick has vanished there, and a turn of the free motion is left."""
+    branch = continue_orbit(STICK_SLIP, "S1 B1", "mu_s1", ("0.5", "1.1"))
+    end = branch.ends[0]
+    assert (end.kind, end.value) == ("end of the range", 0.5)
+    assert "there is no such friction law" in end.message
+    assert branch.spans[0] == pytest.approx(2 * pi, abs=1e-6)
+    assert "law" not in branch.ends[1].message
+
+
 def slip_that_touches(c: float) -> float:
     """Return the belt speed at which a slip under c touches the belt, from the closed form."""
     h = c / 2
