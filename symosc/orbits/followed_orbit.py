@@ -268,16 +268,19 @@ def followed_orbit(
     residual: float,
     steps: int,
     digits: int | None,
+    motion: Trajectory | None = None,
 ) -> FollowedOrbit | None:
     """Follow the law's motion from a passage for one period; return the orbit if it closes, else
     None.
 
-    `span` is the period, `changes` are the derivatives of the return map.
+    `span` is the period, `changes` are the derivatives of the return map; `motion` is the law's, if
+    it is known.
     """
     law = section.law
     v = section.speed
     more = digits if digits is None else digits + 2
-    motion = simulate(law, t0=t, x0=x, v0=v, t_end=t + span, digits=more)
+    if motion is None:
+        motion = simulate(law, t0=t, x0=x, v0=v, t_end=t + span, digits=more)
     if float(motion.t_end) < float(t + span):
         return None
     first, second = _multipliers(section, motion, periods, changes)
@@ -465,8 +468,15 @@ def points_of(motion: Trajectory) -> list[tuple[Event, Event]]:
     the one after it.
     """
     events = motion.events
+    return [(events[n], events[(n + 1) % len(events)]) for n in numbers_of_points(motion)]
+
+
+def numbers_of_points(motion: Trajectory) -> list[int]:
+    """Return the numbers of the events of the motion over one period in the order of the orbit's
+    word.
+    """
     _, order = _cycle(motion)
-    return [(events[n], events[(n + 1) % len(events)]) for _, n in order]
+    return [n for _, n in order]
 
 
 def _lag(
