@@ -139,15 +139,17 @@ class Parameters(Model):
     FN : number
         Normal force >= 0; optional in an `Oscillator`.
 
-    Any consistent system of units will do. A number is an int, a float (read as the decimal that it
-    prints as), a string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number.
-    An expression with pi such as "2*pi" is read to 40 digits, and a quantity such as "2.5 cm"
-    (extra `units`) in kg, m, s, N and rad.
-
     Raises
     ------
     ParameterError
         If a value is not a finite number or is out of range; the message names it.
+
+    Notes
+    -----
+    Any consistent system of units will do. A number is an int, a float (read as the decimal that it
+    prints as), a string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number.
+    An expression with pi such as "2*pi" is read to 40 digits, and a quantity such as "2.5 cm"
+    (extra `units`) in kg, m, s, N and rad.
 
     Examples
     --------

@@ -155,6 +155,23 @@ def test_internal_links_and_anchors(site: Path) -> None:
 
 
 @pytest.mark.slow
+def test_each_figure_says_what_it_shows(site: Path) -> None:
+    """For readers who do not see it; without a text of its own a figure is called by its file.
+
+    Figures that cells draw have it from `:mystnb: {image: {alt: "..."}}` below the cell's first line.
+    """
+    figures = 0
+    for path in pages_of(site):
+        for figure in re.findall(r"<img[^>]*>", path.read_text(encoding="utf-8")):
+            figures += 1
+            text = re.search(r'alt="([^"]*)"', figure)
+            assert text, (path.name, figure[:100])
+            assert len(text[1].split()) >= 4, (path.name, figure[:100])
+            assert not text[1].endswith((".svg", ".png")), (path.name, text[1])
+    assert figures > 60
+
+
+@pytest.mark.slow
 def test_nothing_is_loaded_from_elsewhere(site: Path) -> None:
     """The site can be read without a network.
 
