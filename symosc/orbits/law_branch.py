@@ -52,6 +52,9 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
     if end.why == "shrunk":
         message = "the cycle shrinks to a rest, at a corner of the friction curve"
         return LawEnd("onset at a corner", end.value, message, (), None)
+    if end.why == "family":
+        message = "the cycle stays in a band without damping, and so does every smaller one"
+        return LawEnd("onset at a corner", end.value, message, (), None)
     last = points[-1]
     found = margins(last.orbit)
     vanished = tuple(margin for margin in found if margin.value < VANISHED * margin.scale)

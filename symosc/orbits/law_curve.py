@@ -32,7 +32,7 @@ from symosc.orbits.law_border import BorderAhead, border_ahead
 from symosc.orbits.law_margins import margins
 from symosc.orbits.return_maps import SpeedSection, quality_of, section_through
 from symosc.simulation.simulate import simulate
-from symosc.simulation.trajectory import Trajectory
+from symosc.simulation.trajectory import BAND_ROW, Trajectory
 
 #: Lengths of steps, in the arclength of (time/pace, x/size, parameter/range).
 FIRST_STEP = 0.01
@@ -129,7 +129,7 @@ class CurveEvent(NamedTuple):
 
 
 class LawCurveEnd(NamedTuple):
-    """Why the curve ends: "range", "lost", "shrunk", "closed" or "most", at a value of the
+    """Why the curve ends: "range", "lost", "shrunk", "family", "closed" or "most", at a value of the
     parameter.
     """
 
@@ -538,6 +538,8 @@ class LawCurve:
             if trial > NO_GAP and self.may_have_gap([*points[-2:], later]):
                 step = trial / 2
                 continue
+            if self.is_in_family(later):
+                return [*points, later], events, LawCurveEnd("family", later.value)
             events += self.events_between(point, later)
             points.append(later)
             bad -= trial
@@ -653,6 +655,15 @@ class LawCurve:
         times = np.linspace(float(motion.t_start), float(motion.t_end), SAMPLES)
         _, v = motion(times)
         return _highest(v) + _highest(-v)
+
+    def is_in_family(self, point: CurvePoint) -> bool:
+        """Return whether a cycle stays in one band: then the band has no damping, and every smaller
+        circle is a cycle for the same value of the parameter.
+        """
+        motion = point.orbit.motion
+        assert motion is not None
+        bands = set(motion._pieces[BAND_ROW].tolist())
+        return not self.periods and not point.orbit.labels and len(bands) == 1
 
     def shrunk_value(self, points: list[CurvePoint]) -> float:
         """Return where a cycle that shrinks in proportion has no size."""

@@ -175,6 +175,22 @@ def test_a_cycle_shrinks_to_a_rest_at_a_corner() -> None:
     assert branch._repr_html_()
 
 
+def test_a_cycle_ends_in_circles_where_the_damping_of_its_band_vanishes() -> None:
+    """The band ends at the speed 0.11; every smaller circle in it is a cycle for the same c."""
+    belt = Belt("-0.74", curve=[(0, "0.73"), ("0.85", "0.59")], slope="0.04", mu_s="0.93")
+    law = Oscillator(m="1.16", c="0.16", k="1.33", A0=-1, belts=[belt])
+    cycle = find_orbit(law, x0="-1.77", v0="-1.97")
+    branch = continue_orbit(law, None, "c", ("0.15", "0.2"), cycle)
+    assert [end.kind for end in branch.ends] == ["end of the range", "onset at a corner"]
+    assert branch.ends[1].value == pytest.approx(0.14 / 0.85, abs=1e-13)
+    assert "so does every smaller one" in branch.ends[1].message
+    assert not branch.special
+    assert branch.stable[:-2].all()
+    radius = 0.11 / (1.33 / 1.16) ** 0.5
+    low, high = branch.extents[-1]
+    assert 0.8 * radius < (high - low) / 2 <= radius
+
+
 @pytest.mark.slow
 def test_a_period_doubling_is_located_and_both_sides_are_orbits() -> None:
     branch = continue_orbit(driven("1"), "S1 B1", "mu_s1", ("0.9", "1.15"))
