@@ -8,6 +8,7 @@ fails.
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
 import subprocess
@@ -75,6 +76,26 @@ def test_every_public_name_has_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
         assert len(re.findall(rf"^\.\. auto\w+:: symosc\.{name}$", entries, re.MULTILINE)) == 1, (
             name
         )
+
+
+#: A line of a docstring's section that begins an entry: names, and mostly a type.
+ENTRY = re.compile(r"\*{0,2}\w+(, \*{0,2}\w+)*( :.*)?")
+SECTION = re.compile(r"^(?:Parameters|Attributes)\n-+\n(.*?)(?=^\S[^\n]*\n-{3,}$|\Z)", re.M | re.S)
+
+
+def test_sections_of_docstrings_have_entries_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What stands behind the entries would be shown as one more of them, in bold."""
+    monkeypatch.syspath_prepend(str(DOCS / "_ext"))
+    import api
+
+    found = []
+    for name, subject in api.public().items():
+        parts = [subject, *(vars(subject).values() if isinstance(subject, type) else ())]
+        for part in parts:
+            for section in SECTION.findall(inspect.getdoc(part) or ""):
+                lines = [line for line in section.splitlines() if line and line[0] != " "]
+                found += [f"{name}: {line}" for line in lines if not ENTRY.fullmatch(line)]
+    assert found == []
 
 
 @pytest.fixture(scope="module")

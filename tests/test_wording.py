@@ -38,6 +38,22 @@ def refusal(call: Callable[[], object]) -> str:
     return str(caught.value)
 
 
+def test_a_function_is_shown_by_its_name() -> None:
+    def falling(w: float) -> float:
+        raise ValueError("no")
+
+    message = refusal(lambda: symosc.Belt.from_function(1, falling, until=2))
+    assert message == "mu = falling: fails at w = 0 with ValueError: no"
+    assert refusal(lambda: simulate(print)).startswith("scene = print: ")  # type: ignore[arg-type]
+    assert " at 0x" not in refusal(lambda: simulate(object()))  # type: ignore[arg-type]
+
+
+def test_a_word_of_belts_is_answered_by_words_of_belts() -> None:
+    law = symosc.Oscillator(m=1, c="0.1", k=1, belts=[symosc.Belt("0.2", "0.5", mu_s=1)])
+    message = refusal(lambda: symosc.find_orbit(law, "S1B1"))
+    assert "the mappings of one belt are S1, B1 and A1, written A1∘B1, 'A1 B1' or" in message
+
+
 # --- ends in periods of the drive ---
 
 
@@ -248,6 +264,8 @@ def test_a_scene_file_says_where_these_numbers_are_given(key: str, tmp_path: Pat
 @pytest.mark.parametrize(
     ("call", "right"),
     [
+        (lambda: symosc.sweep(FIG9, Omega=[3, 4]), "over={'Omega': ...}"),
+        (lambda: symosc.return_map(FIG9, n=100), "points"),
         (lambda: simulate(FIG9, T=3), "t_end"),
         (lambda: simulate(FIG9, t_final=3), "t_end"),
         (lambda: simulate(FIG9, y0=[0, 1]), "x0 or v0"),

@@ -6,7 +6,7 @@ import re
 from collections.abc import Collection, Iterable
 from importlib import import_module
 from numbers import Number
-from types import BuiltinFunctionType, FunctionType
+from types import BuiltinFunctionType, FunctionType, MethodType
 from typing import Any
 
 LONGEST_VALUE = 80
@@ -25,6 +25,8 @@ OTHER_NAMES = {
     "tolerance": ("tol", "rtol", "atol", "accuracy"),
     "word": ("structure", "mapping"),
     "skip": ("transient", "burn_in"),
+    "points": ("n", "n_points", "count", "num"),
+    "direction": ("up", "down", "upward", "downward"),
     "workers": ("jobs", "n_jobs", "threads", "ncores", "processes"),
     "progress": ("verbose",),
     "figsize": ("size", "width", "height"),
@@ -36,6 +38,10 @@ OTHER_NAMES = {
     "mu": ("mu_k", "mu_d", "kinetic"),
     "mu_s": ("mu_static", "static"),
 }
+
+
+#: Names of numbers that functions with an argument `over` take as its keys.
+NUMBER_OF_MODEL = re.compile(r"m|c|k|A0|B0|Omega|FN|(v|mu|mu_s)[1-9]\d*|x0|v0")
 
 
 def shown(value: object) -> str:
@@ -56,7 +62,7 @@ def _without_types(value: object) -> str:
     """
     if isinstance(value, Number) and not isinstance(value, str):
         return str(value)
-    if isinstance(value, FunctionType | BuiltinFunctionType):
+    if isinstance(value, FunctionType | BuiltinFunctionType | MethodType):
         return value.__name__
     if type(value) is list:
         return f"[{', '.join(map(_without_types, value))}]"
@@ -261,6 +267,8 @@ def meant(word: object, known: Iterable[str]) -> str:
     other_law = of_other_laws(written, known)
     if other_law:
         return f"; {other_law}"
+    if "over" in known and NUMBER_OF_MODEL.fullmatch(str(word)):
+        return f"; did you mean over={{{str(word)!r}: ...}}?"
     alike = [name for name in known if written in map(str.lower, OTHER_NAMES.get(name, ()))]
     if alike:
         return f"; did you mean {' or '.join(alike)}?"

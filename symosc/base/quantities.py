@@ -275,6 +275,8 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
         allowed = f"{name} is the {meaning}, a number without a unit"
     else:
         in_unit = f"give it in {own_unit}, or in a unit of the same kind"
+        if name in IN_PERIODS:
+            in_unit += ", or in periods of the drive such as '10T'"
         allowed = f"{name} is the {meaning}: {in_unit}"
     refused = ParameterError(name, text, allowed)
     if parts is None or len(parts["unit"]) > LONGEST_UNIT:

@@ -289,6 +289,8 @@ class Summary(Columns):
         x and v where the last forcing periods ended (Omega t = 2 pi n, the start not included), in
         order of time; NaN for those that were not.
 
+    Notes
+    -----
     A column that was not asked for is ().
 
     Examples

@@ -186,7 +186,9 @@ def _check_names(
     else:
         model = scene
     known = [*_all_names(model), *STARTS]
-    for argument, given_names in (("free", names or ("",)), ("start", first)):
+    if not names:
+        raise ParameterError("free", names, f"must be one or more of {', '.join(known)}")
+    for argument, given_names in (("free", names), ("start", first)):
         for name in given_names:
             if name not in known:
                 allowed = f"must be one of {', '.join(known)}{meant(str(name), known)}"
