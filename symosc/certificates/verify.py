@@ -69,8 +69,9 @@ from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 FORMAT = "symosc certificate 1"
 KINDS_OF_EVENTS = {"cross", "stick", "slip", "graze"}
 CORNER = "corner"
-# The most belts of a friction law.
+# The most belts of a friction law, and points of all their curves.
 MOST_BELTS = 50
+MOST_POINTS = 20_000
 NUMBER = re.compile(r"-?\d{1,2000}(/\d{1,2000}|(\.\d{1,2000})?(e[+-]?\d{1,3})?)", re.ASCII)
 NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
 START = ("t0", "x0", "v0")
@@ -390,6 +391,8 @@ def check_range(p):
     least = min(p[name] for name in ("c", "k", "FN"))
     right = min(p["m"], p["Omega"]) > 0 <= least
     belts = belts_of(p)
+    points = sum(len(belt["curve"]) for belt in belts)
+    check(points <= MOST_POINTS, f"curves of more than {MOST_POINTS} points", BAD)
     for belt in belts:
         ws = [w for w, _ in belt["curve"]]
         right = right and ws[:1] == [0] and all(a < b for a, b in pairwise(ws))
@@ -848,7 +851,7 @@ class VerifiedMotion:
             # Five times as wide.
             low, high = (3 * low - 2 * high).mid(), (3 * high - 2 * low).mid()
         require(first[0], "the sign of f before an event")
-        require(turn * last[0], "the sign of f behind an event")
+        require(turn * last[0], "the sign of f behind an event (a touch has none)")
         self.positive(low)
         return Around(low.union(high), first, last, self.f(end, low.union(high)))
 
