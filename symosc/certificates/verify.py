@@ -1358,6 +1358,34 @@ class Period(NamedTuple):
     D: Any
 
 
+def box_through(problem, rows, centre, widths, kind):
+    """Follow a box of t and x at the first event through all events in `rows`; return its motions."""
+    (dt, dx) = widths
+    law = problem.law
+    edge = problem.edge(rows[0])
+    modes = [
+        mode
+        for mode in (edge, edge + 1, law.last + edge)
+        if law.name(mode) == rows[0]["target"] and (rows[0]["kind"] != CORNER or mode <= law.last)
+    ]
+    check(modes, "a first event that leads to a mode beside its belt")
+    columns = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))]
+    stops = []
+    for mode in modes:  # two at a corner: it is passed upwards or downwards
+        leaves = {edge: 1} if mode <= law.last else {}
+        motions = [kind(problem, mode, edge, [*centre, arb(law.edges[edge].v)], columns, leaves)]
+        try:
+            for row in rows[1:]:
+                motions.append(motions[-1].after_event(row))
+            check(
+                motions[-1].mode.number == mode, "a last event that leads where the first one does"
+            )
+            return motions
+        except Stop as stop:
+            stops.append(stop)
+    raise min(stops, key=lambda stop: stop.args[0])  # more bits may decide
+
+
 def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
     """Follow a box of t and x at the first event through all events in `rows`, and return the
     `Period`.
@@ -1367,20 +1395,8 @@ def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
     inside, it is P's only fixed point. Without a drive `turn` is None, and P maps x alone: the width
     in t is 0, and D has the derivative of x by x only.
     """
-    (dt, dx) = widths
-    law = problem.law
-    edge = problem.edge(rows[0])
-    beside = {law.name(mode): mode for mode in (edge, edge + 1, law.last + edge)}
-    check(rows[0]["target"] in beside, "a first event that leads to a mode beside its belt")
-    mode = beside[rows[0]["target"]]
-    columns = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))]
-    if mode <= law.last:
-        leaves = {edge: 1}
-    else:
-        leaves = {}
-    motions = [kind(problem, mode, edge, [*centre, arb(law.edges[edge].v)], columns, leaves)]
-    for row in rows[1:]:
-        motions.append(motions[-1].after_event(row))
+    (_, dx) = widths
+    motions = box_through(problem, rows, centre, widths, kind)
     last = motions[-1]
     (t, x, _) = last.centre
     if turn is None:
