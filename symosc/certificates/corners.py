@@ -7,6 +7,7 @@ about each of them as about an event.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
 from typing import NamedTuple
 
 from symosc.base.aliases import Number
@@ -48,6 +49,14 @@ def corner_numbers(law: FrictionLaw) -> dict[int, int]:
         if is_corner and (below.slope, below.forces[1]) != (above.slope, above.forces[1]):
             numbers[i] = len(numbers) + 1
     return numbers
+
+
+def corner_speed(law: FrictionLaw, number: int) -> Fraction:
+    """Return the speed of a corner, given its number from 1 by speed."""
+    row = next(row for row, corner in corner_numbers(law).items() if corner == number)
+    edge = law.rows[row].above
+    assert edge is not None
+    return Fraction(edge.v)
 
 
 def steps_of(run: Trajectory, start: Start) -> Sequence[Step]:

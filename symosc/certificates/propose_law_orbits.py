@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from symosc.base.aliases import Number, Record
 from symosc.base.errors import ParameterError
-from symosc.certificates.certificate import CORNER, Certificate, confirmed, law_entry, made_by
-from symosc.certificates.corners import Step, steps_of
+from symosc.certificates.certificate import Certificate, confirmed, law_entry, made_by
+from symosc.certificates.corners import Step, corner_speed, steps_of
 from symosc.certificates.propose import (
     DIGITS,
     NothingProposed,
@@ -82,7 +82,8 @@ def certify_law_orbit(orbit: FollowedOrbit) -> Certificate:
                 return certificate
             refused = refused or certificate
         break
-    message = f"the orbit {Word(orbit.labels).cycle}: {refused.message if refused else reason}"
+    name = orbit.word or "without a belt"
+    message = f"the orbit {name}: {refused.message if refused else reason}"
     if refused is None:
         return Certificate("orbit", False, message)
     return replace(refused, message=message)
@@ -90,27 +91,38 @@ def certify_law_orbit(orbit: FollowedOrbit) -> Certificate:
 
 def _loop(orbit: FollowedOrbit, digits: int) -> LoopInDigits:
     """Return an orbit in so many digits, or raise NothingProposed."""
-    if not orbit.points:
-        raise NothingProposed("an orbit that meets no belt")
     periods = orbit.periods or None
     exact = find_orbit(orbit.parameters, guess=orbit.start, digits=digits, periods=periods)
     if not isinstance(exact, FollowedOrbit) or exact.labels != orbit.labels:
         raise NothingProposed(f"the orbit with {digits} digits has the word {exact.word}")
-    maps = Word(exact.labels).maps
-    place = next(i for i in range(len(maps)) if not maps[i - 1].sticks)
-    t, x = exact.points[place]
-    v = exact.parameters.belt(maps[place].start.boundary)
-    period = fraction(exact.period)
-    loop = LoopInDigits(exact, t, x, v, (), period)
+    loop = _beginning(exact, digits)
+    t, x, period = loop.t, loop.x, loop.period
     steps = _steps(loop, fraction(t), fraction(x), digits)
     if any(step.kind == "graze" for step in steps):
         raise NothingProposed("an orbit that touches a belt")
     # The last event is the first one again, a period later.
     late = [abs(fraction(step.t) - fraction(t) - period) for step in steps]
     last = min(range(len(steps)), key=late.__getitem__, default=0)
-    if not steps or late[last] > CLOSED * period or steps[last].kind == CORNER:
+    if not steps or late[last] > CLOSED * period:
         raise NothingProposed("an orbit whose motion does not close")
     return loop._replace(steps=steps[: last + 1])
+
+
+def _beginning(orbit: FollowedOrbit, digits: int) -> LoopInDigits:
+    """Return an orbit from the end of a flight at a belt or, if it meets none, from a corner."""
+    period = fraction(orbit.period)
+    p = orbit.parameters
+    if orbit.points:
+        maps = Word(orbit.labels).maps
+        place = next(i for i in range(len(maps)) if not maps[i - 1].sticks)
+        t, x = orbit.points[place]
+        return LoopInDigits(orbit, t, x, p.belt(maps[place].start.boundary), (), period)
+    t, x, v = map(fraction, orbit.start)
+    loop = LoopInDigits(orbit, t, x, v, (), period)
+    corner = next(iter(_steps(loop, t, x, digits)), None)
+    if corner is None:
+        raise NothingProposed("an orbit that meets neither a belt nor a corner")
+    return loop._replace(t=corner.t, x=corner.x, v=corner_speed(p.law, corner.boundary))
 
 
 def _steps(loop: LoopInDigits, t: Fraction, x: Fraction, digits: int) -> Sequence[Step]:

@@ -69,8 +69,9 @@ from flint import arb, arb_mat, ctx, fmpq, fmpq_mat
 FORMAT = "symosc certificate 1"
 KINDS_OF_EVENTS = {"cross", "stick", "slip", "graze"}
 CORNER = "corner"
-# The most belts of a friction law.
+# The most belts of a friction law, and points of all their curves.
 MOST_BELTS = 50
+MOST_POINTS = 20_000
 NUMBER = re.compile(r"-?\d{1,2000}(/\d{1,2000}|(\.\d{1,2000})?(e[+-]?\d{1,3})?)", re.ASCII)
 NAMES = ("m", "c", "k", "A0", "B0", "Omega", "v1", "v2", "mu1", "mu2", "FN")
 START = ("t0", "x0", "v0")
@@ -390,6 +391,8 @@ def check_range(p):
     least = min(p[name] for name in ("c", "k", "FN"))
     right = min(p["m"], p["Omega"]) > 0 <= least
     belts = belts_of(p)
+    points = sum(len(belt["curve"]) for belt in belts)
+    check(points <= MOST_POINTS, f"curves of more than {MOST_POINTS} points", BAD)
     for belt in belts:
         ws = [w for w, _ in belt["curve"]]
         right = right and ws[:1] == [0] and all(a < b for a, b in pairwise(ws))
@@ -848,7 +851,7 @@ class VerifiedMotion:
             # Five times as wide.
             low, high = (3 * low - 2 * high).mid(), (3 * high - 2 * low).mid()
         require(first[0], "the sign of f before an event")
-        require(turn * last[0], "the sign of f behind an event")
+        require(turn * last[0], "the sign of f behind an event (a touch has none)")
         self.positive(low)
         return Around(low.union(high), first, last, self.f(end, low.union(high)))
 
@@ -1355,6 +1358,34 @@ class Period(NamedTuple):
     D: Any
 
 
+def box_through(problem, rows, centre, widths, kind):
+    """Follow a box of t and x at the first event through all events in `rows`; return its motions."""
+    (dt, dx) = widths
+    law = problem.law
+    edge = problem.edge(rows[0])
+    modes = [
+        mode
+        for mode in (edge, edge + 1, law.last + edge)
+        if law.name(mode) == rows[0]["target"] and (rows[0]["kind"] != CORNER or mode <= law.last)
+    ]
+    check(modes, "a first event that leads to a mode beside its belt")
+    columns = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))]
+    stops = []
+    for mode in modes:  # two at a corner: it is passed upwards or downwards
+        leaves = {edge: 1} if mode <= law.last else {}
+        motions = [kind(problem, mode, edge, [*centre, arb(law.edges[edge].v)], columns, leaves)]
+        try:
+            for row in rows[1:]:
+                motions.append(motions[-1].after_event(row))
+            check(
+                motions[-1].mode.number == mode, "a last event that leads where the first one does"
+            )
+            return motions
+        except Stop as stop:
+            stops.append(stop)
+    raise min(stops, key=lambda stop: stop.args[0])  # more bits may decide
+
+
 def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
     """Follow a box of t and x at the first event through all events in `rows`, and return the
     `Period`.
@@ -1364,20 +1395,8 @@ def period(problem, rows, centre, widths, turn, kind=VerifiedMotion):
     inside, it is P's only fixed point. Without a drive `turn` is None, and P maps x alone: the width
     in t is 0, and D has the derivative of x by x only.
     """
-    (dt, dx) = widths
-    law = problem.law
-    edge = problem.edge(rows[0])
-    beside = {law.name(mode): mode for mode in (edge, edge + 1, law.last + edge)}
-    check(rows[0]["target"] in beside, "a first event that leads to a mode beside its belt")
-    mode = beside[rows[0]["target"]]
-    columns = [(dt, arb(0), arb(0)), (arb(0), dx, arb(0))]
-    if mode <= law.last:
-        leaves = {edge: 1}
-    else:
-        leaves = {}
-    motions = [kind(problem, mode, edge, [*centre, arb(law.edges[edge].v)], columns, leaves)]
-    for row in rows[1:]:
-        motions.append(motions[-1].after_event(row))
+    (_, dx) = widths
+    motions = box_through(problem, rows, centre, widths, kind)
     last = motions[-1]
     (t, x, _) = last.centre
     if turn is None:

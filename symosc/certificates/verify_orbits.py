@@ -274,9 +274,13 @@ def law_course(data):
         BAD,
     )
     steps = [base.what(row) for row in rows]
-    check(steps[0][0] in ("cross", "stick"), "a first event that is the end of a flight at a belt")
-    check(steps[0] == steps[-1], "a last event that is not the first one again")
     events = [row for row in rows if row["kind"] != base.CORNER]
+    first = "cross", "stick"
+    check(not events or steps[0][0] in first, "a first event that is the end of a flight at a belt")
+    check(steps[0] == steps[-1], "a last event that is not the first one again")
+    if not events:  # an orbit that meets no belt has no word
+        check(data["word"] == "", "the word of an orbit that meets no belt")
+        return steps
     labels = [label_between(before, after) for before, after in pairwise(events)]
     # A word is read from the right, and may begin with any of its labels.
     word = data["word"]
@@ -425,7 +429,8 @@ def orbit(data, source, limits):
         least_cycle(events, points)
         time = "without a drive"
         alone = f"the only one within {in_x} in x"
-    first = f"{kind} {data['word']} {time}, {alone}"
+    name = f" {data['word']}" if data["word"] else ", which meets no belt,"
+    first = f"{kind}{name} {time}, {alone}"
     shown = [
         f"multiplier: {' .. '.join(ends['re'])} + i ({' .. '.join(ends['im'])})"
         for ends in source["multipliers"]

@@ -18,7 +18,7 @@ from law_orbit_certificates import (
     orbit_is_true,
     orbit_of,
 )
-from law_orbits import STICK_SLIP, TWO_BANDS, as_oracle, driven
+from law_orbits import DRIVEN, STICK_SLIP, TWO_BANDS, as_oracle, driven
 
 from symosc import Belt, Oscillator, ParameterError, certify, continue_orbit, find_orbit, simulate
 from symosc.orbits.shooting import orbit_near
@@ -68,12 +68,25 @@ def test_an_unstable_orbit_in_chaos_is_proven_to_be_one() -> None:
     assert judged(other)[0] == 1
 
 
+def test_the_unstable_cycle_born_at_a_corner_is_proven() -> None:
+    """It meets no belt; period and multiplier are known from another program."""
+    proof = certify(find_orbit(TWO_BANDS, guess=(0, 1, 2)))
+    assert (proof.proven, proof.stable, proof.events) == (True, False, ())
+    assert "which meets no belt, without a drive" in proof.message
+    first, *_, last = (list(map(Fraction, row["t"])) for row in proof.statement["events"])
+    period = Fraction("6.303840144088753120778267")
+    assert last[0] - first[1] < period < last[1] - first[0]
+    low, high = map(Fraction, proof.multipliers[0][0])
+    assert abs((low + high) / 2 - Fraction("1.34838658643")) < Fraction(1, 10**11)
+
+
 def test_what_is_no_such_orbit_is_refused_by_name() -> None:
     wall = Oscillator(m=1, c=0, k=1, B0="0.3", Omega="0.58", belts=[Belt(0, mu="0.5", mu_s="0.8")])
     with pytest.raises(ParameterError, match="is a rest; certify a motion"):
         certify(find_orbit(wall, x0=5))
-    far = certify(find_orbit(TWO_BANDS, guess=(0, 1, 2)))
-    assert (far.proven, "an orbit that meets no belt" in far.message) == (False, True)
+    steady = Oscillator(**DRIVEN, belts=[Belt(30, mu="0.7", mu_s=1)])
+    far = certify(find_orbit(steady, x0=1))
+    assert (far.proven, "meets neither a belt nor a corner" in far.message) == (False, True)
     branch = continue_orbit(STICK_SLIP, "S1 B1", "mu_s1", (1, "1.01"))
     with pytest.raises(ParameterError, match="static friction of belt 1"):
         certify(branch)
