@@ -70,7 +70,10 @@ nb_merge_streams = True
 nb_render_markdown_format = "myst"
 myst_substitutions = api.pages()
 
-autodoc_default_options = {"members": True, "inherited-members": "tuple,BaseException"}
+autodoc_default_options = {
+    "members": True,
+    "inherited-members": "tuple,list,BaseException,ImportError,OSError",
+}
 toc_object_entries_show_parents = "hide"
 smartquotes = False  # two dashes are two dashes
 autodoc_typehints = "none"

@@ -18,7 +18,6 @@ from .basins.attractors import Attractors as Attractors
 from .basins.attractors import attractors as attractors
 from .basins.bifurcation import Bifurcation as Bifurcation
 from .basins.bifurcation import bifurcation as bifurcation
-from .basins.kinds import Chaotic as Chaotic
 from .basins.kinds import ObservedCycle as ObservedCycle
 from .basins.kinds import Rest as Rest
 from .basins.return_map import FixedPoint as FixedPoint
@@ -85,6 +84,8 @@ from .orbits.periodic_orbit import Approach as Approach
 from .orbits.periodic_orbit import OrbitSensitivities as OrbitSensitivities
 from .orbits.periodic_orbit import PeriodicOrbit as PeriodicOrbit
 from .orbits.periodic_orbit import SwitchingPoint as SwitchingPoint
+from .orbits.unsettled import Chaotic as Chaotic
+from .orbits.unsettled import QuasiPeriodic as QuasiPeriodic
 from .reductions import OtherModel as OtherModel
 from .reference.case import KnownEvent as KnownEvent
 from .reference.case import ReferenceCase as ReferenceCase

@@ -17,6 +17,7 @@ from typing import Any, TypeAlias
 from symosc.base.aliases import NumberLike
 from symosc.base.arguments import (
     NUMBER,
+    Kind,
     function_of,
     public,
     require,
@@ -265,6 +266,9 @@ class Belt:
         return f"Belt({', '.join([speed.removeprefix('v='), *others])})"
 
 
+BELTS = Kind(
+    "a sequence of Belt objects, such as [Belt(1, mu=0.2)]", by_value=sequence_of(Belt).takes
+)
 #: The order in which the arguments of a belt are written.
 _AS_WRITTEN = ("v", "mu", "curve", "slope", "mu_s")
 #: The most points of a friction curve.
@@ -457,7 +461,7 @@ def read_belts(belts: Any) -> tuple[Belt, ...]:
     """Return belts in order of their speeds."""
     if isinstance(belts, Belt):
         belts = (belts,)
-    require(sequence_of(Belt), belts=belts)
+    require(BELTS, belts=belts)
     if len(belts) == 0:
         raise ParameterError("belts", belts, "must have at least one Belt")
     if len(belts) > MOST_BELTS:

@@ -130,23 +130,26 @@ class Parameters(Model):
     m, c, k : number
         Mass, damper and spring; m > 0, c >= 0, k >= 0.
     A0, B0, Omega : number
-        Constant force, excitation amplitude (any sign) and its angular frequency > 0.
+        Constant force, excitation amplitude (any sign) and its angular frequency > 0; optional in
+        an `Oscillator`.
     v1, v2 : number
         Belt speeds, v1 < v2.
     mu1, mu2 : number
         Friction coefficients of belt 1 and belt 2, >= 0. A belt with coefficient 0 is transparent.
     FN : number
-        Normal force >= 0.
-
-    Any consistent system of units will do. A number is an int, a float (read as the decimal that it
-    prints as), a string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number.
-    An expression with pi such as "2*pi" is read to 40 digits, and a quantity such as "2.5 cm"
-    (extra `units`) in kg, m, s, N and rad.
+        Normal force >= 0; optional in an `Oscillator`.
 
     Raises
     ------
     ParameterError
         If a value is not a finite number or is out of range; the message names it.
+
+    Notes
+    -----
+    Any consistent system of units will do. A number is an int, a float (read as the decimal that it
+    prints as), a string such as "0.8" or "4/5", a Fraction, a Decimal or a rational sympy number.
+    An expression with pi such as "2*pi" is read to 40 digits, and a quantity such as "2.5 cm"
+    (extra `units`) in kg, m, s, N and rad.
 
     Examples
     --------
@@ -202,11 +205,11 @@ class Parameters(Model):
     @public
     def replace(self, **changes: NumberLike) -> Parameters:
         """Return a copy with some parameters changed, for example ``p.replace(c="0.3")``."""
-        require(NUMBER, **changes)
         for name, value in changes.items():
             if name not in PARAMETER_NAMES:
                 allowed = f"unknown parameter; choose from {', '.join(PARAMETER_NAMES)}"
                 raise ParameterError(name, value, allowed + meant(name, PARAMETER_NAMES))
+        require(NUMBER, **changes)
         # What stays has been read: searches and branches change one number thousands of times.
         changed = object.__new__(type(self))
         vars(changed).update(by_name(self))
@@ -364,7 +367,7 @@ class Oscillator(Model):
         Angular frequency > 0 of the excitation; required unless B0 = 0.
     FN : number, optional
         Normal force >= 0 at each belt. With FN = 1 the coefficients of friction are forces.
-    belts : sequence of Belt
+    belts : sequence of Belt, such as ``[Belt(1, mu=0.2)]``
         At least one; numbered from 1 by speed, in whatever order they are given.
 
     Attributes
@@ -636,8 +639,33 @@ def _check_bands(oscillator: Oscillator) -> None:
                 "belts",
                 list(oscillator.belts),
                 f"{names} are {float(above.v - below.v):.3g} apart, less than 1e-9 of the largest "
-                "speed; give both the same speed, or move them apart",
+                "speed; give both the same speed, move them apart, or leave out belts that the mass "
+                "never reaches",
             )
+
+
+def with_section(law: Oscillator, v: Fraction) -> Oscillator:
+    """Return an oscillator with a belt at the speed v beside its own, which has no friction: that
+    the mass meets it are events.
+
+    Raise ParameterError if the speeds differ too much for it.
+    """
+    try:
+        return law.replace(belts=[*law.belts, Belt(v, mu=0)])
+    except ParameterError:
+        raise too_fast_error(law) from None
+
+
+def too_fast_error(law: Model) -> ParameterError:
+    """Return the error that a belt is too much faster than others for a section between them."""
+    speeds = [belt.v for belt in law.law.belts]
+    number = speeds.index(max(speeds, key=abs)) + 1
+    return ParameterError(
+        f"v{number}",
+        show(law.belt(number)),
+        f"belt {number} is too fast, compared with the other speeds, for orbits to be found; if "
+        "the mass never reaches it, leave it out and give its friction as a constant force A0",
+    )
 
 
 def out_of_reach(

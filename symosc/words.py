@@ -26,6 +26,8 @@ OF_BELTS = geometry(MOST_BELTS).maps
 #: What the mappings of two belts are called beside other ones: P1, P2 and P3 are S1, B1 and A1.
 ALONE = dict(zip(MAPS, OF_BELTS, strict=False))
 PAIRED = {label: paper for paper, label in ALONE.items()}
+#: How words of other laws than the paper's begin.
+OTHER_LABELS = re.compile(r"[SBAUD]\d")
 #: The mappings of any number of belts by label, with the modes of the engine.
 KNOWN_MAPS = MAPS | OF_BELTS
 
@@ -333,8 +335,11 @@ def _read(word: str | Iterable[object]) -> tuple[tuple[str, ...], str]:
         read = _labels_of(part)
         if not read:
             allowed = "the mappings are P1 to P8, written P32, P3∘P2 or ['P3', 'P2']"
-            if any(label in PAIRED for label in labels):
-                allowed = "the mappings of one belt are S1, B1 and A1, written A1∘B1"
+            if any(label in PAIRED for label in labels) or OTHER_LABELS.match(text):
+                allowed = (
+                    "the mappings of one belt are S1, B1 and A1, written A1∘B1, 'A1 B1' or "
+                    "['A1', 'B1'], those of more belts S1, B1, A1, U12, D21 and so on"
+                )
             raise WordError(text, f"{shown(part)} is not a mapping; {allowed}")
         labels += read
     if not labels:

@@ -22,6 +22,10 @@ FALLING = Belt(1, curve=[(0, "1/2"), ("1/2", "1/4")])
 CURVED = Oscillator(**FREE, belts=[FALLING])
 FIG9 = load_scene("fig9").parameters
 
+TOO_FAST = Oscillator(
+    m=1, c="0.1", k=1, belts=[Belt("1/2", "0.3", mu_s="0.6"), Belt(10**12, "0.1")]
+)
+
 #: Columns by name, with belt 1 faster than belt 2.
 PASSED: Any = FIG9.numbers() | {"mu_s1": Fraction(2), "v1": Fraction(99)}
 
@@ -48,6 +52,21 @@ MISTAKES: dict[str, tuple[Callable[[], Any], str, str]] = {
         "at most 50",
     ),
     "belts are a number": (lambda: Oscillator(**FREE, belts=3), "belts", "Belt"),  # type: ignore[arg-type]
+    "numbers for belts": (
+        lambda: Oscillator(**FREE, belts=[1, 2]),  # type: ignore[list-item]
+        "belts",
+        "must be a sequence of Belt objects, such as [Belt(1, mu=0.2)]",
+    ),
+    "a belt too fast for a section": (
+        lambda: symosc.return_map(TOO_FAST),
+        "v2",
+        "belt 2 is too fast, compared with the other speeds",
+    ),
+    "a belt too fast for an orbit": (
+        lambda: symosc.find_orbit(TOO_FAST.replace(B0=1, Omega=2)),
+        "v2",
+        "if the mass never reaches it, leave it out",
+    ),
     "a dict for a belt": (
         lambda: Oscillator(**FREE, belts=[{"v": 1, "mu": 1}]),  # type: ignore[list-item]
         "belts",

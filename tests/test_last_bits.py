@@ -21,14 +21,8 @@ from symosc import find_orbit
 from symosc.kernels import linear
 
 SCRIPT = Path(__file__).parent / "support" / "last_bits.py"
-#: OpenBLAS has loops for each; those of the last one need AVX-512. The oldest has the fewest in
-#: common with ours; .ci/run tries the others.
-KERNELS = (
-    "Nehalem",
-    pytest.param("Haswell", marks=pytest.mark.campaign),
-    pytest.param("Zen", marks=pytest.mark.campaign),
-    pytest.param("SkylakeX", marks=pytest.mark.campaign),
-)
+#: OpenBLAS has loops for each; those of the last one need AVX-512.
+KERNELS = ("Nehalem", "Haswell", "Zen", "SkylakeX")
 #: What numpy chooses beside its least, and of that what came with AVX-512.
 CHOSEN = [name for name in loops.__cpu_dispatch__ if loops.__cpu_features__[name]]
 WIDEST = [name for name in CHOSEN if "AVX512" in name or name == "X86_V4"]

@@ -8,9 +8,11 @@ from __future__ import annotations
 import contextlib
 import inspect
 import random
+import re
 import signal
 import types
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -237,13 +239,85 @@ def test_a_call_that_does_not_fit_is_a_type_error() -> None:
         return b
 
     assert f(0, 0, 1, 2, b=3) == 3
-    for arity in (lambda: f(0), lambda: f()):  # type: ignore[call-arg]
-        with pytest.raises(TypeError, match="missing"):
-            arity()
+    with pytest.raises(TypeError, match=r"f\(\) is missing a$"):
+        f(0)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="missing"):
+        f()  # type: ignore[call-arg]
     with pytest.raises(TypeError, match=r"'c'; known are a, more, b"):
         f(0, 0, c=1)  # type: ignore[call-arg]
     with pytest.raises(TypeError, match=r"^from inside$"):
         f(0, 1)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: symosc.Belt(), "Belt() is missing v (speed of the belt; 0 is a wall)"),
+        (
+            lambda: symosc.Oscillator(m=1, c=0),
+            "Oscillator() is missing k (m, c, k: mass, damper and spring; m > 0, c >= 0, k >= 0) and "
+            "belts (sequence of Belt, such as [Belt(1, mu=0.2)])",
+        ),
+        (
+            lambda: symosc.Parameters(**{name: 1 for name in P9.as_dict() if name != "FN"}),
+            "Parameters() is missing FN (normal force >= 0; optional in an Oscillator)",
+        ),
+        (
+            lambda: symosc.Scene("mine", P9, 0, 0, 0),
+            "Scene() is missing t_end (where a simulation of the scene ends; later than t0)",
+        ),
+        (lambda: symosc.Belt(1, v=2), "Belt() got v twice: without a name, and by name"),
+        (
+            lambda: made("trajectory").to_csv(),
+            "Trajectory.to_csv() is missing path (name of a file, or '-' for standard output)",
+        ),
+    ],
+)
+def test_a_missing_argument_is_named_and_explained(call: Callable[[], Any], message: str) -> None:
+    with pytest.raises(TypeError) as caught:
+        call()
+    assert str(caught.value) == message
+
+
+def _with_required_arguments() -> Iterator[tuple[str, Callable[..., Any]]]:
+    """Yield what users call that requires an argument: functions, classes and methods of answers."""
+    made_by_users = (
+        symosc.Belt, symosc.Oscillator, symosc.OtherModel, symosc.Parameters, symosc.Scene,
+    )  # fmt: skip
+    for prefix, module in (("", symosc), ("plot.", plot)):
+        for name in module.__all__:
+            subject = getattr(module, name)
+            if isinstance(subject, types.FunctionType) or subject in made_by_users:
+                yield prefix + name, subject
+            elif isinstance(subject, type) and not issubclass(subject, Exception):
+                for method, function in vars(subject).items():
+                    if isinstance(function, types.FunctionType) and not method.startswith("_"):
+                        yield f"{name}.{method}", partial(function, None)
+
+
+def test_every_missing_argument_is_explained() -> None:
+    """One mechanism for all: a name alone, or Python's own message, says too little."""
+    count = 0
+    for name, call in _with_required_arguments():
+        parameters = inspect.signature(call).parameters.values()
+        variable = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+        required = [
+            item.name
+            for item in parameters
+            if item.default is item.empty and item.kind not in variable
+        ]
+        if not required:
+            continue
+        count += 1
+        with pytest.raises(TypeError) as caught:
+            call()
+        title, missing, rest = str(caught.value).partition("() is missing ")
+        assert missing, f"{name}: {title}"
+        assert rest.count("(") >= 1, f"{name}: {rest}"
+        for parameter in required:
+            explained = rf"\b{parameter}(, \w+)* \("
+            assert re.search(explained, rest), f"{name}: {rest}"
+    assert count > 80
 
 
 def test_require_refuses_what_is_of_no_kind() -> None:
@@ -262,3 +336,23 @@ def test_a_refusal_lists_the_kinds() -> None:
         require(symosc.Scene, a=1)
     with pytest.raises(ParameterError, match=r"must be a mapping of names, each a number or None$"):
         require(arguments.mapping_of(arguments.REAL, arguments.NONE), a={"x": "1"})
+
+
+def slope_of_text(w: float) -> str:
+    return f"{w} N"
+
+
+def test_messages_name_functions_and_not_where_they_are_in_memory() -> None:
+    law = symosc.Oscillator(m=1, c=0, k=1, belts=[symosc.Belt(1, mu=1)])
+    wrong: list[Callable[[], Any]] = [
+        lambda: symosc.Belt.from_function(1, slope_of_text, 4),
+        lambda: symosc.Belt(1, curve=slope_of_text),
+        lambda: symosc.attractors(law, {"x0": slope_of_text, "v0": [1]}),
+        lambda: symosc.return_map(law, belt=slope_of_text),
+        lambda: symosc.bifurcation(law, {"v1": [slope_of_text]}),
+    ]
+    for call in wrong:
+        with pytest.raises(ParameterError) as error:
+            call()
+        assert "slope_of_text" in str(error.value)
+        assert "0x" not in str(error.value)

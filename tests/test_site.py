@@ -8,6 +8,7 @@ fails.
 
 from __future__ import annotations
 
+import inspect
 import os
 import re
 import subprocess
@@ -77,36 +78,43 @@ def test_every_public_name_has_a_page(monkeypatch: pytest.MonkeyPatch) -> None:
         )
 
 
+#: A line of a docstring's section that begins an entry: names, and mostly a type.
+ENTRY = re.compile(r"\*{0,2}\w+(, \*{0,2}\w+)*( :.*)?")
+SECTION = re.compile(r"^(?:Parameters|Attributes)\n-+\n(.*?)(?=^\S[^\n]*\n-{3,}$|\Z)", re.M | re.S)
+
+
+def test_sections_of_docstrings_have_entries_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What stands behind the entries would be shown as one more of them, in bold."""
+    monkeypatch.syspath_prepend(str(DOCS / "_ext"))
+    import api
+
+    found = []
+    for name, subject in api.public().items():
+        parts = [subject, *(vars(subject).values() if isinstance(subject, type) else ())]
+        for part in parts:
+            for section in SECTION.findall(inspect.getdoc(part) or ""):
+                lines = [line for line in section.splitlines() if line and line[0] != " "]
+                found += [f"{name}: {line}" for line in lines if not ENTRY.fullmatch(line)]
+    assert found == []
+
+
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def site() -> Path:
     """Return the folder of the site, which one worker builds.
 
-    SYMOSC_SITE names one that was just built.
+    SYMOSC_SITE names the folder; a site that is there was just built.
     """
     pytest.importorskip("sphinx_design", reason="the extra docs is not installed")
-    if made := os.environ.get("SYMOSC_SITE"):
-        return Path(made)
-    with alone("site") as folder:
+    with alone("site") as shared:
+        folder = Path(os.environ.get("SYMOSC_SITE", shared))
         if not folder.exists():
-            built = tmp_path_factory.mktemp("site")
-            command = [
-                sys.executable,
-                "-m",
-                "sphinx",
-                "-W",
-                "--keep-going",
-                "-q",
-                "-j",
-                "2",
-                str(DOCS),
-                str(built),
-            ]
-            result = subprocess.run(
-                [*command, "-d", f"{built}-trees"], capture_output=True, text=True, check=False
-            )
+            built = Path(f"{folder}-built")
+            build = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2"]
+            command = [*build, "-d", f"{folder}-trees", str(DOCS), str(built)]
+            result = subprocess.run(command, capture_output=True, text=True, check=False)
             assert result.returncode == 0, result.stderr[-5000:]
-            folder.symlink_to(built, target_is_directory=True)
-    return folder.resolve()
+            built.rename(folder)
+    return folder
 
 
 class Page(HTMLParser):
@@ -165,6 +173,23 @@ def test_internal_links_and_anchors(site: Path) -> None:
     pages = pages_of(site)
     assert len(pages) > 45
     assert list(dangling(pages)) == []
+
+
+@pytest.mark.slow
+def test_each_figure_says_what_it_shows(site: Path) -> None:
+    """For readers who do not see it; without a text of its own a figure is called by its file.
+
+    Figures that cells draw have it from `:mystnb: {image: {alt: "..."}}` below the cell's first line.
+    """
+    figures = 0
+    for path in pages_of(site):
+        for figure in re.findall(r"<img[^>]*>", path.read_text(encoding="utf-8")):
+            figures += 1
+            text = re.search(r'alt="([^"]*)"', figure)
+            assert text, (path.name, figure[:100])
+            assert len(text[1].split()) >= 4, (path.name, figure[:100])
+            assert not text[1].endswith((".svg", ".png")), (path.name, text[1])
+    assert figures > 60
 
 
 @pytest.mark.slow

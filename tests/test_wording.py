@@ -38,6 +38,22 @@ def refusal(call: Callable[[], object]) -> str:
     return str(caught.value)
 
 
+def test_a_function_is_shown_by_its_name() -> None:
+    def falling(w: float) -> float:
+        raise ValueError("no")
+
+    message = refusal(lambda: symosc.Belt.from_function(1, falling, until=2))
+    assert message == "mu = falling: fails at w = 0 with ValueError: no"
+    assert refusal(lambda: simulate(print)).startswith("scene = print: ")  # type: ignore[arg-type]
+    assert " at 0x" not in refusal(lambda: simulate(object()))  # type: ignore[arg-type]
+
+
+def test_a_word_of_belts_is_answered_by_words_of_belts() -> None:
+    law = symosc.Oscillator(m=1, c="0.1", k=1, belts=[symosc.Belt("0.2", "0.5", mu_s=1)])
+    message = refusal(lambda: symosc.find_orbit(law, "S1B1"))
+    assert "the mappings of one belt are S1, B1 and A1, written A1∘B1, 'A1 B1' or" in message
+
+
 # --- ends in periods of the drive ---
 
 
@@ -185,12 +201,71 @@ def test_a_mistyped_keyword_suggests_the_right_one(name: str) -> None:
 def test_no_word_is_meant_that_is_another() -> None:
     assert meant("panel", ["label", "color"]) == ""
     assert meant("panel", ["label", "panels"]) == "; did you mean panels?"
-    assert meant("mu3", ["mu1", "mu2", "FN"]) == "; did you mean mu1 or mu2?"
+    assert meant("mv1", ["mu1", "mu2", "FN"]) == "; did you mean mu1?"
+
+
+#: How users may write what belts have beyond the paper's parameters, and what messages call it.
+OF_BELTS = {
+    "mu_s": "static friction",
+    "mu_s1": "static friction",
+    "mu_s2": "static friction",
+    "mus": "static friction",
+    "mu_static": "static friction",
+    "curve": "friction that depends on speed",
+    "slope": "friction that depends on speed",
+    "slope1": "friction that depends on speed",
+    "w1_1": "friction that depends on speed",
+    "mu1_2": "friction that depends on speed",
+    "belts": "another number of belts",
+    "v3": "another number of belts",
+    "mu3": "another number of belts",
+}
+
+
+@pytest.mark.parametrize("name", OF_BELTS)
+def test_numbers_of_belts_are_answered_by_where_they_are_given(name: str) -> None:
+    """Not by the name of another number that looks alike, such as mu1 for mu_s1."""
+    p = FIG9.parameters
+    calls: list[Callable[[], object]] = [
+        lambda: symosc.Parameters(**{name: 1}),
+        lambda: p.replace(**{name: 1}),
+        lambda: FIG9.changed(**{name: 1}),
+        lambda: symosc.sensitivities(FIG9, name),
+        lambda: symosc.fit(FIG9, [(0.1, "stick")], name),
+        lambda: symosc.continue_orbit(p, "P32", name, (0, 2)),
+    ]
+    for call in calls:
+        message = refusal(call)
+        assert f"; {OF_BELTS[name]} requires an Oscillator with belts=[Belt(v, " in message
+        assert "did you mean" not in message
+    assert OF_BELTS[name] in run("simulate", "fig9", "--set", f"{name}=1").stderr
+    if name != "belts":
+        wall = {"m": 1, "k": 1, "Omega": 1, "FN": 1}
+        text = refusal(lambda: symosc.OtherModel(**wall, **{name: 1}))
+        assert f"{OF_BELTS[name]} requires belts=[Belt(v, " in text or name in ("v3", "mu3")
+
+
+@pytest.mark.parametrize("name", ["v1", "mu1", "mu_s1", "v2", "curve", "slope1"])
+def test_an_oscillator_says_that_belts_have_these_numbers(name: str) -> None:
+    message = refusal(lambda: symosc.Oscillator(m=1, c=0, k=1, belts=[], **{name: 1}))
+    assert "belts=[Belt(v, " in message
+
+
+@pytest.mark.parametrize("key", ["mu_s1", "mu_s", "curve", "slope", "w1_1", "belts"])
+def test_a_scene_file_says_where_these_numbers_are_given(key: str, tmp_path: Path) -> None:
+    """Where the name of another number is not wrongly taken as meant."""
+    path = tmp_path / "mine.toml"
+    path.write_text(as_toml(FIG9).replace("mu1 = ", f"{key} = 1\nmu1 = "))
+    message = refusal(lambda: load_scene(path))
+    assert "tables [[belts]] have v, mu or curve, slope and mu_s of each belt" in message
+    assert "did you mean" not in message
 
 
 @pytest.mark.parametrize(
     ("call", "right"),
     [
+        (lambda: symosc.sweep(FIG9, Omega=[3, 4]), "over={'Omega': ...}"),
+        (lambda: symosc.return_map(FIG9, n=100), "points"),
         (lambda: simulate(FIG9, T=3), "t_end"),
         (lambda: simulate(FIG9, t_final=3), "t_end"),
         (lambda: simulate(FIG9, y0=[0, 1]), "x0 or v0"),
@@ -232,6 +307,14 @@ def test_names_of_other_programs_suggest_the_right_one(call: Callable[[], Any], 
         (
             lambda: symosc.crosscheck(FIG9, [0, 1, 2], [0, 1]),
             "t, x and v must have the same length",
+        ),
+        (
+            lambda: symosc.continue_orbit(symosc.find_orbit("fig9"), None, "c", (0, 1)),
+            "or the name or file of one; give its .parameters",
+        ),
+        (
+            lambda: symosc.continue_orbit(FIG9, symosc.find_orbit("fig9"), "c", (0, 1)),
+            "or None; give its .word",
         ),
     ],
 )

@@ -20,6 +20,10 @@ PAGES = {path.stem for path in (Path(__file__).parents[1] / "reference" / "api")
 }
 
 
+#: Where the arguments of `plot` are described.
+EXPLAINED = "symosc.Trajectory.plot"
+
+
 def public() -> dict[str, object]:
     """Return all public names with what they are."""
     found = {
@@ -78,6 +82,14 @@ def keep_bars(*about: Any) -> None:
     ]
 
 
+def shorten_plots(
+    app: Sphinx, kind: str, name: str, subject: object, options: object, lines: list[str]
+) -> None:
+    """Describe the method `plot`, which all answers share, once."""
+    if name.endswith(".plot") and kind == "method" and name != EXPLAINED:
+        lines[:] = [f"Draw the result, with the arguments of `{EXPLAINED}`.", ""]
+
+
 def show_examples(app: Sphinx, context: Any, lines: list[str]) -> None:
     """Make a block of the examples in the help of a command; what is above it may have bars."""
     at = next((n for n, line in enumerate(lines) if line.startswith("| Example")), len(lines))
@@ -100,6 +112,7 @@ def skip_fields(
 def setup(app: Sphinx) -> dict[str, bool]:
     """Let texts be changed after numpydoc and sphinx-click have read them."""
     app.connect("autodoc-process-docstring", keep_bars, priority=900)
+    app.connect("autodoc-process-docstring", shorten_plots, priority=900)
     app.connect("autodoc-skip-member", skip_fields)
     app.connect("sphinx-click-process-description", show_examples)
     app.connect("sphinx-click-process-options", keep_bars)

@@ -1,4 +1,4 @@
-"""Literal blocks with lines too long for the column of a page: smaller letters or, if these do not do, broken lines.
+"""What is too wide: literal blocks in smaller letters or broken lines, and numbers that no line breaks.
 
 What is wide gets a class, by its longest line; `symosc.css` has the sizes of the letters. A table keeps its
 columns, and scrolls; if only the lines around it are long, these are broken.
@@ -46,7 +46,29 @@ def mark_wide_blocks(app: Sphinx, tree: nodes.document, name: str) -> None:
             block["classes"].append("small-print")
 
 
+#: A number that a line could be broken in: behind the hyphen of its exponent, or before its sign of
+#: multiplication.
+NUMBER = re.compile(r"(\d[\d.]*e-\d+|\d[\d.]* ×)")
+
+
+def keep_numbers_whole(app: Sphinx, tree: nodes.document, name: str) -> None:
+    """Give each number that could be broken the class `number`, in tables and in text."""
+    for paragraph in tree.findall(nodes.paragraph):
+        for text in list(paragraph.findall(nodes.Text)):
+            parts = NUMBER.split(text.astext())
+            if len(parts) == 1 or isinstance(text.parent, nodes.literal | nodes.math | nodes.raw):
+                continue
+            pieces = list[nodes.Node]()
+            for n, part in enumerate(parts):
+                if n % 2:
+                    pieces.append(nodes.inline(part, part, classes=["number"]))
+                elif part:
+                    pieces.append(nodes.Text(part))
+            text.parent.replace(text, pieces)
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Look at each page when it is complete."""
     app.connect("doctree-resolved", mark_wide_blocks)
+    app.connect("doctree-resolved", keep_numbers_whole)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

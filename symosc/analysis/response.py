@@ -76,6 +76,7 @@ class FrequencyResponse(Columns):
     name : str
         The parameter.
     values : array, (n,)
+        Its values, which its own name has too: `response.Omega`.
     status : array of str
         "orbit", "marginal orbit", "linear" (meets no belt), "rest" (stays on a belt at rest), or
         why there is no settled motion; then the numbers are nan.
@@ -123,9 +124,11 @@ class FrequencyResponse(Columns):
     def __getattr__(self, name: str) -> Any:
         if name == "direction":
             return np.full(len(self.values), "")
-        raise AttributeError(
-            f"FrequencyResponse has no column {name!r}; it has {', '.join(COLUMNS)}"
-        )
+        parameter = self.__dict__.get("name", "name")
+        if name == parameter:
+            return self.values
+        has = ", ".join([parameter, *COLUMNS])
+        raise AttributeError(f"FrequencyResponse has no column {name!r}; it has {has}")
 
     def columns(self) -> dict[str, np.ndarray]:
         """Return all columns by name, first the column of the parameter."""
@@ -138,6 +141,7 @@ class FrequencyResponse(Columns):
         """Return a DataFrame, a row per value; MissingExtraError if pandas is not installed."""
         return imported("pandas").DataFrame(self.columns())
 
+    @public
     def to_csv(self, path: str | Path) -> None:
         """Write the columns as CSV with a header ("-": to standard output).
 

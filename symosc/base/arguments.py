@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import inspect
 import numbers
+import re
 from collections.abc import Callable, Mapping, Sequence, Set
 from decimal import Decimal
 from functools import wraps
@@ -104,12 +105,17 @@ def _fits(kinds: Sequence[Kind | type], value: object) -> bool:
 
 def _refusal(name: str, value: object, kinds: Sequence[Kind | type]) -> ParameterError:
     """Return the error that a value is of none of the kinds."""
-    source = ""
+    hint = ""
     if len(kinds) == 1:
         source = getattr(kinds[0], "_made_by", "")
-    if source:
-        source = f"; {source} makes one"
-    return ParameterError(name, value, f"must be {_text(kinds)}{source}")
+        if source:
+            hint = f"; {source} makes one"
+    if type(value).__module__.startswith("symosc."):  # an answer, in place of what it is about
+        for attribute in ("parameters", "word"):
+            if _fits(kinds, getattr(value, attribute, None)):
+                hint = f"; give its .{attribute}"
+                break
+    return ParameterError(name, value, f"must be {_text(kinds)}{hint}")
 
 
 def _text(kinds: Sequence[Kind | type]) -> str:
@@ -360,8 +366,9 @@ POINT = Kind(
 def public(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
     """Return a function that says what it takes if a call does not fit its parameters.
 
-    Python's own message names only the wrong keyword. This one lists the parameters and suggests
-    one, as users call these functions by hand. It is still a TypeError.
+    Python's own message names only the wrong keyword, or the missing argument. This one lists the
+    parameters and suggests one, or says what is missing, as users call these functions by hand. It
+    is still a TypeError.
     """
 
     @wraps(function)
@@ -373,7 +380,7 @@ def public(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]
             begun = error.__traceback__ is None or error.__traceback__.tb_next is not None
             if begun:
                 raise
-            message = _misfit(function, len(in_order), named)
+            message = _misfit(function, in_order, named)
             if not message:
                 raise
             raise TypeError(message) from None
@@ -381,28 +388,125 @@ def public(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]
     return called
 
 
-def _misfit(function: Callable[..., object], count: int, named: Mapping[str, object]) -> str:
-    """Return a message about a call with too many arguments or an unknown keyword; "" if it has
-    neither.
+def _misfit(
+    function: Callable[..., object], in_order: Sequence[object], named: Mapping[str, object]
+) -> str:
+    """Return a message about a call with too many arguments, an unknown keyword or a missing
+    argument; "" if it has none of these faults.
     """
     title = f"{function.__qualname__.removesuffix('.__init__')}()"
     parameters = [*inspect.signature(function).parameters.values()]
     # Kinds are in order: what may stand without a name comes before *args.
-    in_order = [item for item in parameters if item.kind < item.VAR_POSITIONAL]
-    names = [item.name for item in parameters if item.name != "self"]
+    positional = [item for item in parameters if item.kind < item.VAR_POSITIONAL]
+    own = [item for item in parameters if item.name not in ("self", "cls")]
     variable = {item.kind for item in parameters}
-    if count > len(in_order) and inspect.Parameter.VAR_POSITIONAL not in variable:
-        return _too_many(title, [item for item in parameters if item.name != "self"])
-    if inspect.Parameter.VAR_KEYWORD in variable:
-        return ""
+    if len(in_order) > len(positional) and inspect.Parameter.VAR_POSITIONAL not in variable:
+        return _too_many(title, own)
+    names = [item.name for item in own]
     unknown = next((name for name in named if name not in names), None)
-    if unknown is None:
-        return ""
-    if names:
-        known = f"; known are {', '.join(names)}{meant(unknown, names)}"
-    else:
-        known = ""
-    return f"{title} got an unexpected keyword argument {unknown!r}{known}"
+    if unknown is not None and inspect.Parameter.VAR_KEYWORD not in variable:
+        if names:
+            known = f"; known are {', '.join(names)}{meant(unknown, names)}"
+        else:
+            known = ""
+        return f"{title} got an unexpected keyword argument {unknown!r}{known}"
+    given = {item.name for item in positional[: len(in_order)]}
+    twice = given.intersection(named)
+    if twice:
+        return f"{title} got {twice.pop()} twice: without a name, and by name"
+    required = [
+        item.name for item in own if item.default is item.empty and item.kind not in _VARIABLE
+    ]
+    missing = [name for name in required if name not in given and name not in named]
+    if missing:
+        return f"{title} is missing {_described(missing, _docstring(function, in_order))}"
+    return ""
+
+
+#: The kinds of *args and **kwargs, which may be empty.
+_VARIABLE = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
+
+
+def _docstring(function: Callable[..., object], in_order: Sequence[object]) -> str:
+    """Return the docstring that describes the parameters of a function: of `__init__` its class's."""
+    if function.__name__ == "__init__" and in_order:
+        return inspect.getdoc(type(in_order[0])) or ""
+    return inspect.getdoc(function) or ""
+
+
+#: The section of a docstring that describes parameters, and the entries in it.
+_SECTION = re.compile(r"^Parameters\n-+\n(.*?)(?=\n\n\S|\Z)", re.MULTILINE | re.DOTALL)
+_ENTRY = re.compile(r"^(\w+(?:, \w+)*)(?: :(.*))?\n?((?:    .*\n?)*)", re.MULTILINE)
+#: Types of parameters that say more than what stands below them.
+_TELLING = re.compile(r"[A-Z]|array|table")
+#: What arguments of these names are where a docstring does not describe them.
+_USUAL = {
+    "alpha": "number of a domain, from 1",
+    "at": "a point of the map, as a number",
+    "atlas": "an Atlas, such as symosc.atlas returns",
+    "border": "a Border, such as continue_border returns",
+    "dataset": "a Dataset, such as sweep returns",
+    "drawing": "a figure, or axes of one",
+    "end": "a pair (x_j, theta_j)",
+    "events": "an EventTable, such as simulate_many returns",
+    "given": "a mapping of t0, x0, v0 or t_end to numbers",
+    "i": "number of a point, from 0",
+    "label": "a mapping such as 'P2'",
+    "mapping": "a mapping such as 'P2'",
+    "name": "name of a parameter, or a pair of names",
+    "name_or_path": "name of a shipped scene, or path of a TOML file",
+    "orbit": "a PeriodicOrbit, such as find_orbit returns",
+    "over": "a mapping of names to values, as for sweep",
+    "p": "Parameters, or a Scene, its name or its file",
+    "path": "name of a file, or '-' for standard output",
+    "scene": "a Scene, or its name or its file",
+    "start": "a pair (x_i, theta_i)",
+    "t": "a time, or an array of times",
+    "theta_m": "phase of the tangency",
+    "v": "velocities, as many as times",
+    "wrt": "names of parameters by which to differentiate",
+    "x": "positions, as many as times",
+}
+
+
+def _described(names: Sequence[str], docstring: str) -> str:
+    """Return names of parameters, each with what its docstring says of it in parentheses.
+
+    Parameters that the docstring describes together stand together.
+    """
+    section = _SECTION.search(docstring)
+    entries = []
+    if section:
+        entries = _ENTRY.findall(section[1])
+    parts = list[str]()
+    left = list(names)
+    while left:
+        together, meaning = _entry_of(left[0], entries)
+        asked = [name for name in left if name in together]
+        left = [name for name in left if name not in together]
+        part = ", ".join(asked)
+        if meaning and len(asked) < len(together):
+            part += f" ({', '.join(together)}: {meaning})"
+        elif meaning:
+            part += f" ({meaning})"
+        parts.append(part)
+    if parts[1:]:
+        return f"{', '.join(parts[:-1])} and {parts[-1]}"
+    return parts[0]
+
+
+def _entry_of(name: str, entries: Sequence[tuple[str, str, str]]) -> tuple[list[str], str]:
+    """Return the names that an entry of a docstring describes together, and what it says in short."""
+    for written, kind, text in entries:
+        together = written.split(", ")
+        if name in together:
+            sentence = " ".join(text.split()).partition(". ")[0].rstrip(".")
+            if not sentence or _TELLING.search(kind):
+                meaning = kind.strip()
+            else:
+                meaning = sentence[0].lower() + sentence[1:]
+            return together, meaning.replace("`", "")
+    return [name], _USUAL.get(name, "")
 
 
 def _too_many(title: str, parameters: Sequence[inspect.Parameter]) -> str:

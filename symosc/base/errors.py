@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Collection, Iterable
 from importlib import import_module
 from numbers import Number
+from types import BuiltinFunctionType, FunctionType, MethodType
 from typing import Any
 
 LONGEST_VALUE = 80
+#: Where an object is in memory: no reader can use it, and it is another one in each run.
+ADDRESS = re.compile(r" at 0x[0-9A-Fa-f]+")
 # How alike a word must be to be suggested: of five letters one may differ, not two, since who
 # writes "panel" does not mean "label".
 LEAST_LIKENESS = 0.65
@@ -21,6 +25,8 @@ OTHER_NAMES = {
     "tolerance": ("tol", "rtol", "atol", "accuracy"),
     "word": ("structure", "mapping"),
     "skip": ("transient", "burn_in"),
+    "points": ("n", "n_points", "count", "num"),
+    "direction": ("up", "down", "upward", "downward"),
     "workers": ("jobs", "n_jobs", "threads", "ncores", "processes"),
     "progress": ("verbose",),
     "figsize": ("size", "width", "height"),
@@ -34,9 +40,13 @@ OTHER_NAMES = {
 }
 
 
+#: Names of numbers that functions with an argument `over` take as its keys.
+NUMBER_OF_MODEL = re.compile(r"m|c|k|A0|B0|Omega|FN|(v|mu|mu_s)[1-9]\d*|x0|v0")
+
+
 def shown(value: object) -> str:
     """Return a value as text for a message: on one line, shortened if it is long, numbers without
-    their type.
+    their type, functions without their address.
     """
     try:
         text = _without_types(value)
@@ -47,14 +57,18 @@ def shown(value: object) -> str:
 
 
 def _without_types(value: object) -> str:
-    """Return the representation of a value; numbers, in lists and tuples too, without their type."""
+    """Return the representation of a value; numbers, in lists and tuples too, without their type,
+    and functions by their names.
+    """
     if isinstance(value, Number) and not isinstance(value, str):
         return str(value)
+    if isinstance(value, FunctionType | BuiltinFunctionType | MethodType):
+        return value.__name__
     if type(value) is list:
         return f"[{', '.join(map(_without_types, value))}]"
     if type(value) is tuple and len(value) > 1:
         return f"({', '.join(map(_without_types, value))})"
-    return repr(value)
+    return ADDRESS.sub("", repr(value))
 
 
 def brief(text: str) -> str:
@@ -243,11 +257,18 @@ def optional(package: str, what: str, extra: str) -> Any:
 def meant(word: object, known: Iterable[str]) -> str:
     """Return "; did you mean ...?" for a message about an unknown word, or "" if no known word is
     similar.
+
+    A number of belts that parameters of constant friction lack is answered by where it is given.
     """
     from difflib import SequenceMatcher
 
     known = list(known)
     written = str(word).lower()
+    other_law = of_other_laws(written, known)
+    if other_law:
+        return f"; {other_law}"
+    if "over" in known and NUMBER_OF_MODEL.fullmatch(str(word)):
+        return f"; did you mean over={{{str(word)!r}: ...}}?"
     alike = [name for name in known if written in map(str.lower, OTHER_NAMES.get(name, ()))]
     if alike:
         return f"; did you mean {' or '.join(alike)}?"
@@ -256,6 +277,38 @@ def meant(word: object, known: Iterable[str]) -> str:
     alike = [name for name, ratio in likeness.items() if ratio >= best]
     if 1 <= len(alike) <= 3:  # more would be no help
         return f"; did you mean {' or '.join(alike)}?"
+    return ""
+
+
+#: What only an Oscillator's belts have, as users may write it: a pattern, its title, the beginning
+#: of the names that it has where it is known, and the belt that has it.
+OF_OTHER_LAWS = (
+    (r"mu_?s(tatic)?_?\d*|mu\d+_?s|static(_friction)?", "static friction", "mu_s", "mu, mu_s=..."),
+    (
+        r"curve_?\d*|slope_?\d*|(w|mu)\d+_\d+|stribeck",
+        "friction that depends on speed",
+        "slope",
+        "curve=[(w, mu), ...], slope=...",
+    ),
+    (r"belts?|(v|mu)[3-9]|(v|mu)[1-9]\d+", "another number of belts", "belts", "mu"),
+)
+
+
+def of_other_laws(word: str, known: Collection[str]) -> str:
+    """Return where a number of belts is given that is none of the `known` numbers of an oscillator;
+    "" if the word means no such number.
+    """
+    if "belts" in known and "mu1" not in known and re.fullmatch(r"(v|mu)\d+", word):
+        return "the belts are given by belts=[Belt(v, mu), ...]"
+    if "mu1" not in known and "belts" not in known:
+        return ""
+    for pattern, title, beginning, friction in OF_OTHER_LAWS:
+        is_known = any(name.startswith(beginning) for name in known)
+        if not is_known and re.fullmatch(pattern, word):
+            belts = f"belts=[Belt(v, {friction})]"
+            if "belts" in known:
+                return f"{title} requires {belts}"
+            return f"{title} requires an Oscillator with {belts}, or a scene file with [[belts]]"
     return ""
 
 

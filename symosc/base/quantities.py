@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numbers
 import re
+from contextlib import suppress
 from decimal import ROUND_HALF_EVEN, Context, Decimal
 from fractions import Fraction
 from functools import cache
@@ -184,16 +185,31 @@ def forcing_periods(name: str, text: Any) -> Fraction | None:
         return None
     count = text.strip()[:-1].rstrip("* ")
     if not NUMBER.fullmatch(count):
-        raise ParameterError(name, text, "give a number, or periods of the drive such as '10T'")
+        raise ParameterError(name, text, _forms(name))
     return read_exact(name, count)
 
 
 #: Digits to which an expression with pi is known.
 KNOWN_DIGITS = 40
-FORMS = (
-    "give a number such as 0.8 or '4/5', a quantity such as '3 kg', or an expression such as "
-    "'3*pi/2': numbers and pi with + - * / ^ ( ), sqrt(), sin(), cos() and exp()"
+A_NUMBER = "give a number such as 0.8 or '4/5'"
+AN_EXPRESSION = (
+    "or an expression such as '3*pi/2': numbers and pi with + - * / ^ ( ), sqrt(), sin(), cos() "
+    "and exp()"
 )
+#: Times that may be given in periods of the drive.
+IN_PERIODS = ("t_end", "skip")
+
+
+def _forms(name: str) -> str:
+    """Return in which forms the number called `name` may be given, for messages."""
+    forms = [A_NUMBER]
+    if name in IN_PERIODS:
+        forms.append("periods of the drive such as '10T'")
+    with suppress(KeyError):  # a number that is none of a problem has no unit
+        unit = unit_of(name)
+        if unit != "1":
+            forms.append(f"a quantity such as '3 {unit}' (extra units)")
+    return ", ".join([*forms, AN_EXPRESSION])
 
 
 def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
@@ -202,7 +218,7 @@ def read_expression(name: str, text: str) -> tuple[Fraction, bool]:
     """
     from mpmath import mp
 
-    value = evaluated(name, text, FORMS)
+    value = evaluated(name, text, _forms(name))
     if isinstance(value, ExactPhase) and value.multiple == 0:
         return value.rest, True
     interval = enclosed(value)
@@ -259,6 +275,8 @@ def read_quantity(name: str, text: str) -> tuple[Fraction, bool]:
         allowed = f"{name} is the {meaning}, a number without a unit"
     else:
         in_unit = f"give it in {own_unit}, or in a unit of the same kind"
+        if name in IN_PERIODS:
+            in_unit += ", or in periods of the drive such as '10T'"
         allowed = f"{name} is the {meaning}: {in_unit}"
     refused = ParameterError(name, text, allowed)
     if parts is None or len(parts["unit"]) > LONGEST_UNIT:

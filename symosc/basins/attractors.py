@@ -16,7 +16,7 @@ from symosc.base.display.drawable import Comparable, Drawable
 from symosc.base.display.frames import imported
 from symosc.base.errors import ParameterError
 from symosc.base.quantities import forcing_periods, quantity_of, read_number
-from symosc.basins.kinds import Chaotic, ObservedCycle, Rest
+from symosc.basins.kinds import ObservedCycle, Rest
 from symosc.basins.plane import Limit, PhasePlane, require_spring
 from symosc.basins.recurrence import DrivenMotions, Recurrent
 from symosc.basins.return_map import LEAST_POINTS, return_map
@@ -25,6 +25,7 @@ from symosc.model import Model, Oscillator
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.orbits.shooting import orbit_near
+from symosc.orbits.unsettled import Chaotic, QuasiPeriodic
 from symosc.scenes import ParametersLike, check_periods, model_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tables import counted
@@ -39,7 +40,7 @@ SLIPS = 12_000
 #: and how near it must come, as a part of its extent.
 ORBIT_SAMPLES = 512
 BESIDE = 0.05
-Attractor: TypeAlias = PeriodicOrbit | ObservedCycle | Rest | Chaotic
+Attractor: TypeAlias = PeriodicOrbit | ObservedCycle | Rest | Chaotic | QuasiPeriodic
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,8 +51,9 @@ class Attractors(Comparable, Drawable):
     ----------
     parameters : Parameters or Oscillator
     orbits : tuple
-        For each attractor a `PeriodicOrbit`, an `ObservedCycle`, a `Rest` or `Chaotic`. An orbit
-        of several forcing periods is one attractor, and two orbits that are mirror images are two.
+        For each attractor a `PeriodicOrbit`, an `ObservedCycle`, a `Rest`, a `QuasiPeriodic` or
+        `Chaotic`. An orbit of several forcing periods is one attractor, and two orbits that are
+        mirror images are two.
     share, share_error : (n,) float arrays
         The part p of the starts that leads to each, and its standard error sqrt(p (1 - p)/starts)
         as a part of all starts, if the starts were drawn at random.
@@ -158,7 +160,7 @@ def attractors(
         grid, where the third one is 0.
     t_end : number or str, optional
         For how long a motion with a drive is followed at most; "1000T" is 1000 forcing periods, the
-        default. What has not recurred by then is chaotic, or undecided. Without a drive it has no
+        default. What has not recurred by then is chaotic, quasi-periodic, or undecided. Without a drive it has no
         effect: motions are followed for up to 20,000 turns.
     workers : int, optional
         Threads; None: one for each core. They do not change the answer.
@@ -247,7 +249,9 @@ def _orbit_of_limit(plane: PhasePlane, limit: Limit) -> Attractor:
     return ObservedCycle(np.array([[limit.x, 0.0]]), period, 0, word)
 
 
-def _orbit_of(motions: DrivenMotions, attractor: Recurrent | Rest | Chaotic) -> Attractor:
+def _orbit_of(
+    motions: DrivenMotions, attractor: Recurrent | Rest | Chaotic | QuasiPeriodic
+) -> Attractor:
     """Return the attractor of motions with a drive."""
     if isinstance(attractor, Chaotic):
         return _with_slips(motions.model, attractor)

@@ -16,10 +16,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from symosc.base.aliases import DataFrame
+from symosc.base.aliases import DataFrame, NumberLike
 from symosc.base.arguments import (
     ARRAY_LIKE,
+    NUMBER,
     TABLE_LIKE,
+    TEXT,
     WHOLE,
     mapping_of,
     public,
@@ -28,14 +30,15 @@ from symosc.base.arguments import (
 )
 from symosc.base.display.drawable import Comparable, Drawable
 from symosc.base.display.frames import imported
-from symosc.base.errors import ParameterError
-from symosc.base.exact import whole_number
+from symosc.base.errors import ParameterError, meant
+from symosc.base.exact import read_exact, whole_number
 from symosc.base.quantities import quantity_of
 from symosc.basins.kinds import oscillator_of
 from symosc.basins.plane import PhasePlane, require_spring
-from symosc.basins.recurrence import units_of
+from symosc.basins.recurrence import CLOUD, repeats_of, units_of
 from symosc.basins.starts import read_starts
 from symosc.model import Model
+from symosc.orbits.unsettled import sections_of, unsettled_at
 from symosc.scenes import ParametersLike, model_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.sweeps.plan import read_axis, swept_names
@@ -99,11 +102,69 @@ class Bifurcation(Comparable, Drawable):
         ).any(axis=1)
         return several
 
+    @public
+    def name_at(self, value: NumberLike, branch: str | None = None) -> str:
+        """Return the name of what a motion settled to, such as "period 2", "rest" or "cycle".
+
+        Motions that do not repeat themselves are followed on, to say whether they are chaotic or
+        quasi-periodic: "chaos, exponent 0.02", "quasi-periodic, rotation 1.065". "undecided" is
+        what is open, "" where the branch has no points.
+
+        Parameters
+        ----------
+        value : number
+            Of the parameter; the nearest one of `values` counts.
+        branch : str, optional
+            One of `branches`; the first one by default.
+
+        Examples
+        --------
+        >>> from symosc import Belt, Oscillator, bifurcation
+        >>> law = Oscillator(m=1, c="0.05", k=1, B0="0.6", Omega="1.4", belts=[Belt("0.1", mu="0.7", mu_s="0.98")])
+        >>> found = bifurcation(law, {"mu_s1": [0.7, 1.26]}, sections=8)
+        >>> found.name_at(0.7), found.name_at(1.26)
+        ('period 1', 'chaos, exponent 0.02')
+        """
+        require(NUMBER, value=value)
+        require_or_none(TEXT, branch=branch)
+        names = list(self.branches)
+        if branch is not None and branch not in names:
+            raise ParameterError("branch", branch, f"must be one of {', '.join(names)}")
+        row = 0 if branch is None else names.index(branch)
+        place = int(np.abs(self.values - float(read_exact("value", value))).argmin())
+        points = self.points[place, row]
+        if not np.isfinite(points).all():
+            return ""
+        model = self.parameters.replace(**{self.name: float(self.values[place])})
+        if self.branches[row].startswith(("rest", "cycle")):
+            return self.branches[row].split()[0]
+        return _name_of(model, points)
+
     def __repr__(self) -> str:
         return (
             f"<Bifurcation over {self.name}: {len(self.values)} values, "
             f"{', '.join(self.branches)}; several attractors at {int(self.coexisting.sum())}>"
         )
+
+    def to_pandas(self) -> Any:
+        """Return a DataFrame, a row per section point; MissingExtraError if pandas is not installed.
+
+        Its columns are the parameter, "branch", "attractor", "period" (the number of the section
+        point), "x" and "v". Branches without points at a value have no rows there.
+        """
+        shape = self.points.shape[:-1]
+        value, branch, period = (places.ravel() for places in np.indices(shape))
+        columns = {
+            self.name: self.values[value],
+            "branch": np.array(self.branches)[branch],
+            "attractor": self.attractor[value, branch],
+            "period": period,
+            "x": self.points[..., 0].ravel(),
+            "v": self.points[..., 1].ravel(),
+        }
+        there = np.isfinite(columns["x"])
+        rows = {name: column[there] for name, column in columns.items()}
+        return imported("pandas").DataFrame(rows)
 
     def to_xarray(self) -> Any:
         """Return a Dataset over the parameter, the branches and the sections.
@@ -174,8 +235,12 @@ def bifurcation(
     known = [name for name in swept_names(model) if name not in ("t0", "x0", "v0")]
     if len(over) != 1 or next(iter(over)) not in known:
         allowed = f"must be one of {', '.join(known)} with its values"
+        if len(over) == 1:
+            allowed += meant(next(iter(over)), known)
         raise ParameterError("over", list(over), allowed)
     ((name, given),) = over.items()
+    if name not in model.numbers():  # static friction of the paper's belts, which have none
+        model = oscillator_of(model)
     values = np.sort(read_axis(name, given))
     models = [model.replace(**{name: value}) for value in values.tolist()]
     kept = whole_number("sections", sections, 1, MOST_SECTIONS)
@@ -237,6 +302,19 @@ class _Motions:
             return np.zeros(shape)
         models = [model for model in self.models for _ in range(len(starts))]
         return self._sections(models, np.tile(starts, (count, 1))).reshape(shape)
+
+
+def _name_of(model: Model, points: np.ndarray) -> str:
+    """Return what a motion under a drive is that ends with some section points."""
+    x, v = points[-1].tolist()
+    followed = sections_of(model, 0.0, x, v, CLOUD)
+    if followed is None:
+        return "undecided"
+    (periods,) = repeats_of(followed[None], units_of(oscillator_of(model))).tolist()
+    if periods:
+        return f"period {periods}"
+    found = unsettled_at(model, 0.0, *followed[-1].tolist())
+    return "undecided" if found is None else found.name
 
 
 def _without_drive(models: list[Model], workers: int | None) -> tuple[tuple[str, ...], np.ndarray]:

@@ -1,10 +1,9 @@
-"""What motions settle to beside periodic orbits: rests, chaos, and cycles that are only observed."""
+"""What motions settle to beside periodic orbits: rests, and cycles that are only observed."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
-from math import nan
 
 import numpy as np
 
@@ -82,49 +81,6 @@ def forces_at_rest(law: Oscillator) -> tuple[Fraction, Fraction]:
     band_below = next(band for band in law.bands if band.above is None or band.above >= 0)
     band_above = next(band for band in reversed(law.bands) if band.below is None or band.below <= 0)
     return band_below.A, band_above.A
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Chaotic(Comparable):
-    """A chaotic attractor: neighbouring motions move apart, and nothing recurs.
-
-    Attributes
-    ----------
-    exponent : float
-        The largest Lyapunov exponent, per unit of time.
-    error : float
-        Its standard error as a mean over time.
-    per_slip : float
-        The exponent per slip from a belt; NaN without slips.
-    points : (n, 2) float array
-        Position and velocity at the ends of forcing periods.
-
-    Examples
-    --------
-    >>> from symosc import Belt, Oscillator, attractors
-    >>> law = Oscillator(m=1, c=0, k=1, B0=1, Omega="0.58", belts=[Belt(0, mu="0.1", mu_s="0.829")])
-    >>> (chaos,) = attractors(law, [(0, 1, 1)], t_end="150T").orbits
-    >>> chaos.exponent > 3 * chaos.error, 0.2 < chaos.per_slip < 0.3
-    (True, True)
-    """
-
-    exponent: float
-    error: float
-    per_slip: float = nan
-    points: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
-
-    @property
-    def is_rest(self) -> bool:
-        """Whether the mass rests: not in chaos."""
-        return False
-
-    @property
-    def name(self) -> str:
-        """A short name for legends."""
-        return f"chaos, exponent {self.exponent:.2g}"
-
-    def __repr__(self) -> str:
-        return f"<Chaotic: exponent {self.exponent:.4g} +- {self.error:.2g} per unit of time>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -29,10 +29,9 @@ import numpy as np
 
 from symosc.base.errors import ParameterError
 from symosc.basins.kinds import Rest, oscillator_of, rest_of
-from symosc.belts import Belt
 from symosc.engine.state import CROSS
 from symosc.friction import domain_code
-from symosc.model import Model
+from symosc.model import Model, with_section
 from symosc.simulation.ensemble import simulate_many
 from symosc.simulation.tables import EventTable
 
@@ -114,7 +113,7 @@ class PhasePlane:
         if law.law.boundary_of(0):
             self.wall = law
         else:
-            self.wall = law.replace(belts=[*law.belts, Belt(0, mu=0)])
+            self.wall = with_section(law, Fraction(0))
         self.number = self.wall.law.boundary_of(0)
         self.turn = 2 * pi * sqrt(law.m / law.k)
         speeds = {n: abs(float(belt.v)) for n, belt in enumerate(law.belts, 1) if belt.v}

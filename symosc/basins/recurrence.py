@@ -9,23 +9,21 @@ chunks of forcing periods, and those that are decided are dropped:
   they did so is its neighbourhood.
 - A motion that stays in the neighbourhood of an attractor for two of its periods, and comes
   nearer, leads to it.
-- What recurs never, to the end, is compared by its clouds of section points. A cloud is chaotic if
-  the exponent of a motion in it is positive by more than its error. Everything else is undecided.
+- What recurs never, to the end, is compared by its clouds of section points. What a cloud is, chaos
+  or a torus, decides a long motion in it (`symosc.orbits.unsettled`). Everything else is undecided.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from math import inf, nan, pi, sqrt
+from dataclasses import dataclass, replace
+from math import inf, sqrt
 from typing import Any
 
 import numpy as np
 
-from symosc.basins.kinds import Chaotic, Rest, oscillator_of, rest_of
-from symosc.derivatives.sensitivities import sensitivities
-from symosc.engine.events import CODE_COLUMNS
-from symosc.engine.state import SLIP
+from symosc.basins.kinds import Rest, oscillator_of, rest_of
 from symosc.model import Model, Oscillator
+from symosc.orbits.unsettled import Chaotic, QuasiPeriodic, unsettled_at
 from symosc.simulation.ensemble import simulate_many
 
 #: No accuracy is asked for: in chaos errors grow without end, and what is asked here is where
@@ -57,26 +55,18 @@ DIFFERENCE = 1e-6
 #: factor Newton's method must come nearer: by 1/2 in each step.
 BESIDE_REST = 1e-2
 NEWTON_GAIN = 0.6
-#: Section points of a motion that are compared with others, and forcing periods over which an
-#: exponent is computed.
+#: Section points of a motion that are compared with others.
 CLOUD = 512
-EXPONENT_PERIODS = 1000
 #: How near a neighbour is that moves away in chaos, and after how many forcing periods by more than
 #: it does where distances grow in proportion to time.
 CLOSE = 1e-8
 PARTING_PERIODS = 512
-#: An exponent is positive if it exceeds so many of its errors, and makes distances grow by this
-#: part in a forcing period.
-SIGMAS = 3.0
-LEAST_EXPONENT = 1e-2
 #: Two clouds are one if their points are no farther from each other than from their own
 #: neighbours, times this.
 FARTHER = 4.0
 #: Points of a motion that are compared with a cloud, and clouds that are tried at most.
 COMPARED = 256
 MOST_CLOUDS = 16
-#: The row of the kinds of events.
-KIND_ROW = 1 + CODE_COLUMNS.index("kind")
 
 
 @dataclass
@@ -109,7 +99,7 @@ class DrivenMotions:
         self.workers = workers
         self.rest = rest_of(model)
         self.unit = units_of(self.model)
-        self.found = list[Recurrent | Rest | Chaotic]()
+        self.found = list[Recurrent | Rest | Chaotic | QuasiPeriodic]()
 
     # -- following ---------------------------------------------------------------------------------
 
@@ -165,7 +155,7 @@ class DrivenMotions:
             points = points[recurring < 0]
             now = np.column_stack([np.zeros(len(waiting)), points[:, -1]])
         if len(waiting):
-            numbers[waiting] = self._chaotic(points)
+            numbers[waiting] = self._unsettled(points)
         return numbers
 
     def _held(self, points: np.ndarray) -> np.ndarray:
@@ -195,7 +185,7 @@ class DrivenMotions:
         for n, attractor in enumerate(self.found):
             if isinstance(attractor, Recurrent):
                 numbers[(numbers < 0) & self._near(points, attractor)] = n
-        repeats = self._repeats(points)
+        repeats = repeats_of(points, self.unit)
         candidates = np.flatnonzero((numbers < 0) & (repeats > 0))
         failed = 0
         while len(candidates) and failed < MOST_FAILED:
@@ -223,16 +213,6 @@ class DrivenMotions:
             numbers[candidates[near]] = n
             candidates = candidates[~near]
         return numbers
-
-    def _repeats(self, points: np.ndarray) -> np.ndarray:
-        """Return after how many periods the last section points repeat, 0 if they do not."""
-        repeats = np.zeros(len(points), np.int64)
-        for q in range(1, points.shape[1] // 2 + 1):
-            last = points[:, -q:]
-            before = points[:, -2 * q : points.shape[1] - q]
-            same = self.distances(last, before).max(axis=1) < REPEATS
-            repeats[(repeats == 0) & same] = q
-        return repeats
 
     def _near(self, points: np.ndarray, attractor: Recurrent) -> np.ndarray:
         """Return which motions are in the neighbourhood of an attractor and come nearer to it."""
@@ -353,11 +333,11 @@ class DrivenMotions:
                     return radius
         return None
 
-    # -- chaos -------------------------------------------------------------------------------------
+    # -- chaos and tori ----------------------------------------------------------------------------
 
-    def _chaotic(self, points: np.ndarray) -> np.ndarray:
-        """Return the numbers of chaotic attractors to which motions lead that do not recur, from
-        their last section points; -1 where it is open.
+    def _unsettled(self, points: np.ndarray) -> np.ndarray:
+        """Return the numbers of the attractors, chaotic or quasi-periodic, to which motions lead that
+        do not recur, from their last section points; -1 where it is open.
         """
         numbers = np.full(len(points), -1)
         waiting = np.arange(len(points))
@@ -374,11 +354,11 @@ class DrivenMotions:
                 numbers[i] = again[0]
                 waiting, numbers = self._settled(points, waiting, numbers)
                 continue
-            chaos = self._chaos_from(cloud)
-            if chaos is None:
+            attractor = self._attractor_from(cloud)
+            if attractor is None:
                 number = -1
             else:
-                number = self._number_of_cloud(chaos)
+                number = self._number_of_cloud(attractor)
             numbers[i] = number
             same = np.array([self._same_cloud(points[j], cloud) for j in waiting], dtype=bool)
             numbers[waiting[same]] = number
@@ -395,23 +375,17 @@ class DrivenMotions:
         numbers[waiting] = own
         return waiting[own < 0], numbers
 
-    def _chaos_from(self, cloud: np.ndarray) -> Chaotic | None:
-        """Return the chaos of a cloud of section points, if its exponent is positive."""
-        if not self._parts(cloud[-1]):
-            return None
+    def _attractor_from(self, cloud: np.ndarray) -> Chaotic | QuasiPeriodic | None:
+        """Return the chaos or the torus of a cloud of section points, None if it is not known to be
+        one that attracts.
+        """
         x, v = cloud[-1].tolist()
-        found = sensitivities(
-            self.model, ("x0", "v0"), t0=0, x0=x, v0=v, t_end=f"{EXPONENT_PERIODS}T"
-        )
-        exponent = float(found.lyapunov[0])
-        error = float(found.lyapunov_error)
-        span = float(found.trajectory.t_end)
-        period = 2 * pi / float(self.model.Omega)
-        if not (exponent > SIGMAS * error and exponent * period > LEAST_EXPONENT):
-            return None
-        slips = int((found.trajectory.rows().ints[KIND_ROW] == SLIP).sum())
-        per_slip = exponent * span / slips if slips else nan
-        return Chaotic(exponent, error, per_slip, cloud)
+        found = unsettled_at(self.model, 0.0, x, v)
+        if isinstance(found, Chaotic) and self._parts(cloud[-1]):
+            return replace(found, points=cloud)
+        if isinstance(found, QuasiPeriodic) and found.attracts:
+            return found
+        return None
 
     def _parts(self, point: np.ndarray) -> bool:
         """Return whether a neighbour of a section point moves away faster than without chaos."""
@@ -419,12 +393,14 @@ class DrivenMotions:
         here, there = self.onward(beside, PARTING_PERIODS)[:, -1]
         return bool(self.distances(here, there) > CLOSE * PARTING_PERIODS * 2)
 
-    def _number_of_cloud(self, chaos: Chaotic) -> int:
-        """Return the number of a chaotic attractor, a new one if its cloud is no other's."""
+    def _number_of_cloud(self, attractor: Chaotic | QuasiPeriodic) -> int:
+        """Return the number of an attractor with a cloud, a new one if its cloud is no other's."""
         for n, known in enumerate(self.found):
-            if isinstance(known, Chaotic) and self._same_cloud(chaos.points, known.points):
+            if not isinstance(known, type(attractor)):
+                continue
+            if self._same_cloud(attractor.points, known.points):
                 return n
-        self.found.append(chaos)
+        self.found.append(attractor)
         return len(self.found) - 1
 
     def _same_cloud(self, points: np.ndarray, cloud: np.ndarray) -> bool:
@@ -439,6 +415,17 @@ class DrivenMotions:
     def _gap(self, points: np.ndarray, cloud: np.ndarray) -> float:
         """Return the mean distance from points to the nearest one of a cloud."""
         return float(self.distances(points[:, None], cloud).min(axis=1).mean())
+
+
+def repeats_of(points: np.ndarray, unit: np.ndarray) -> np.ndarray:
+    """Return after how many periods the last section points of motions repeat, 0 if they do not."""
+    repeats = np.zeros(len(points), np.int64)
+    for q in range(1, points.shape[1] // 2 + 1):
+        last = points[:, -q:]
+        before = points[:, -2 * q : points.shape[1] - q]
+        same = (np.abs(last - before) / unit).max(axis=(1, 2)) < REPEATS
+        repeats[(repeats == 0) & same] = q
+    return repeats
 
 
 def units_of(law: Oscillator) -> np.ndarray:

@@ -44,7 +44,7 @@ from symosc.kernels import linear
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
 from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
 from symosc.orbits.closing_equations import ConvergenceError
-from symosc.orbits.find import SETTLING_PERIODS, find_orbit
+from symosc.orbits.find import SETTLING_PERIODS, settled_orbit
 from symosc.scenes import Scene, parameters_of, scene_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, read_word
@@ -259,7 +259,7 @@ class ParameterPlane(NamedTuple):
         if self.rests(((x, x), (y, y))):
             return REST
         try:
-            return canonical(find_orbit(self.at((x, y))).labels)
+            return canonical(settled_orbit(self.at((x, y))).labels)
         except ConvergenceError:
             return ""
 
@@ -385,7 +385,7 @@ class ParameterPlane(NamedTuple):
         """
         middle = self.at([(low + high) / 2 for low, high in box])
         try:
-            orbit = find_orbit(middle)
+            orbit = settled_orbit(middle)
         except ConvergenceError:
             return None
         if not orbit.admissible or orbit.periods != 1:
@@ -773,7 +773,7 @@ class Atlas(Drawable):
             (low_x, high_x), (low_y, high_y) = box.range
             if low_x <= x <= high_x and low_y <= y <= high_y:
                 return box.word
-        return canonical(find_orbit(plane.at((x, y))).labels)
+        return canonical(settled_orbit(plane.at((x, y))).labels)
 
     @cached_property
     def _ends(self) -> np.ndarray:
@@ -818,6 +818,7 @@ class Atlas(Drawable):
             },
         }
 
+    @public
     def to_json(self, path: str | Path) -> None:
         """Write the atlas to a JSON file that `symosc verify` can prove again ("-": to standard
         output).

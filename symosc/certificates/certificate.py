@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from symosc.base.aliases import Record
+from symosc.base.arguments import public
 from symosc.base.display.drawable import Drawable
 from symosc.base.exact import show
 from symosc.base.files import write_text
@@ -124,6 +125,7 @@ class Certificate(Drawable):
         }
         return about | self.statement
 
+    @public
     def to_json(self, path: str | Path) -> None:
         """Write the certificate as JSON ("-": to standard output).
 

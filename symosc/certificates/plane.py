@@ -184,7 +184,9 @@ def mirrors(p: Parameters, names: Sequence[str] = ()) -> dict[int, int]:
         return {1: 3, 2: 2, 3: 1, stick(1): stick(2), stick(2): stick(1)}
     for belt, other in ((1, 2), (2, 1)):
         are_fixed = not {f"v{belt}", f"mu{other}"} & set(names)
-        if are_fixed and p.belt(belt) == 0 == getattr(p, f"mu{other}"):
+        stands_still = p.belt(belt) == 0
+        acts_alone = getattr(p, f"mu{other}") == 0
+        if are_fixed and stands_still and acts_alone:
             return {belt: belt + 1, belt + 1: belt, stick(belt): stick(belt)}
     return {}
 

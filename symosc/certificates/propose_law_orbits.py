@@ -46,7 +46,7 @@ CLOSED = Fraction(1, 10**20)
 EVENT = ("kind", "boundary", "source", "target")
 
 
-class Loop(NamedTuple):
+class LoopInDigits(NamedTuple):
     """An orbit in many digits, from the end of a flight at a belt: the steps of one period, of which
     the last one is the end of this flight again, and the period.
     """
@@ -89,7 +89,7 @@ def certify_law_orbit(orbit: FollowedOrbit) -> Certificate:
     return replace(refused, message=message)
 
 
-def _loop(orbit: FollowedOrbit, digits: int) -> Loop:
+def _loop(orbit: FollowedOrbit, digits: int) -> LoopInDigits:
     """Return an orbit in so many digits, or raise NothingProposed."""
     periods = orbit.periods or None
     exact = find_orbit(orbit.parameters, guess=orbit.start, digits=digits, periods=periods)
@@ -108,7 +108,7 @@ def _loop(orbit: FollowedOrbit, digits: int) -> Loop:
     return loop._replace(steps=steps[: last + 1])
 
 
-def _beginning(orbit: FollowedOrbit, digits: int) -> Loop:
+def _beginning(orbit: FollowedOrbit, digits: int) -> LoopInDigits:
     """Return an orbit from the end of a flight at a belt or, if it meets none, from a corner."""
     period = fraction(orbit.period)
     p = orbit.parameters
@@ -116,16 +116,16 @@ def _beginning(orbit: FollowedOrbit, digits: int) -> Loop:
         maps = Word(orbit.labels).maps
         place = next(i for i in range(len(maps)) if not maps[i - 1].sticks)
         t, x = orbit.points[place]
-        return Loop(orbit, t, x, p.belt(maps[place].start.boundary), (), period)
+        return LoopInDigits(orbit, t, x, p.belt(maps[place].start.boundary), (), period)
     t, x, v = map(fraction, orbit.start)
-    loop = Loop(orbit, t, x, v, (), period)
+    loop = LoopInDigits(orbit, t, x, v, (), period)
     corner = next(iter(_steps(loop, t, x, digits)), None)
     if corner is None:
         raise NothingProposed("an orbit that meets neither a belt nor a corner")
     return loop._replace(t=corner.t, x=corner.x, v=corner_speed(p.law, corner.boundary))
 
 
-def _steps(loop: Loop, t: Fraction, x: Fraction, digits: int) -> Sequence[Step]:
+def _steps(loop: LoopInDigits, t: Fraction, x: Fraction, digits: int) -> Sequence[Step]:
     """Return the steps of a motion that starts at t and x as the orbit does, for a period."""
     p = loop.orbit.parameters
     t_end = t + loop.period * (1 + BEYOND)
@@ -133,7 +133,7 @@ def _steps(loop: Loop, t: Fraction, x: Fraction, digits: int) -> Sequence[Step]:
     return steps_of(run, Start(p, t, x, loop.v, t_end))
 
 
-def _proposed(loop: Loop, share: float, digits: int) -> Certificate | None:
+def _proposed(loop: LoopInDigits, share: float, digits: int) -> Certificate | None:
     """Return the certificate of an orbit that is to be alone in a box, a `share` of the period and
     of the largest position; None if motions from the box have other events.
     """
@@ -179,7 +179,9 @@ def _stable(orbit: FollowedOrbit) -> bool | None:
     return proposed_stability((other, other))
 
 
-def _reaches(loop: Loop, half_t: Fraction, half_x: Fraction, digits: int) -> list[Fraction] | None:
+def _reaches(
+    loop: LoopInDigits, half_t: Fraction, half_x: Fraction, digits: int
+) -> list[Fraction] | None:
     """Return how far apart in time motions from a box meet each step: a hint for the checker, whose
     balls are wider than the set. None if they have other steps.
     """

@@ -1731,7 +1731,7 @@ def verify(path, **limits):
     except Stop as stop:
         what = stop.args[1]
     except OSError as error:
-        what = str(error)
+        what = f"{path} cannot be read: {error.strerror or error}"
     except UnicodeDecodeError:
         what = f"{path} is no text in UTF-8"
     except (ValueError, RecursionError) as error:

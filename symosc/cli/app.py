@@ -98,7 +98,7 @@ class CommandLine(click.Group):
         is_option = name.startswith("-")
         # Parsing is resilient for shell completion, where names are unfinished.
         if not ctx.resilient_parsing and not is_option and self.get_command(ctx, name) is None:
-            ctx.fail(f"No such command {name!r}{meant(name, COMMANDS)}")
+            ctx.fail(f"No such command {name!r}; {_commands_like(name)}")
         return super().resolve_command(ctx, args)
 
     def main(self, *args: Any, standalone_mode: bool = True, **extra: Any) -> Any:
@@ -163,6 +163,15 @@ class CommandLine(click.Group):
         finally:
             # A program that runs commands itself goes on as it was.
             progress.level = progress.NORMAL
+
+
+def _commands_like(name: str) -> str:
+    """Return which commands may be meant by an unknown name; all of them if none is like it."""
+    begun = [command for command in sorted(COMMANDS) if command.startswith(name)]
+    if begun:
+        return f"did you mean {' or '.join(begun)}?"
+    hint = meant(name, COMMANDS).removeprefix("; ")
+    return hint or f"choose from {', '.join(sorted(COMMANDS))}"
 
 
 def _verbosity_options() -> list[click.Option]:

@@ -95,6 +95,10 @@ def check(
     least_words = 1 if solver else 2  # SCENE, or SCENE FILE
     if case is None and scene is None and len(files) >= least_words:
         scene, *files = files
+        names = symosc.scene_names()
+        behind = "".join(files[:1])
+        is_swapped = scene not in names and behind in names
+        options.refuse((is_swapped, f"give the scene first: symosc check {behind} {scene}"))
     lacks_scene = "give SCENE FILE, FILE --scene SCENE, or FILE --case NAME"
     options.refuse(
         (case is not None and scene is not None, "give --scene or --case, not both"),

@@ -90,6 +90,7 @@ def sweep(
             axis, "--over", "NAME=LO:HI:N, such as Omega=1:6:500", over
         )
         over[name] = values
+    options.refuse((not over, "give --over NAME=LO:HI:N, such as Omega=1:6:500"))
     time_texts = {name: run_options.pop(name) for name in ("t_end", "skip")}
     times = {name: options.read_duration(name, text) for name, text in time_texts.items() if text}
     request: Record = {"record": tuple(record.split(",")), **times, "path": path}

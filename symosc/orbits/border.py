@@ -50,7 +50,7 @@ from symosc.orbits.border_system import BorderPlane, BorderSystem, Node, names_o
 from symosc.orbits.border_trace import BorderEnd, followed
 from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
 from symosc.orbits.closing_equations import ConvergenceError, Orbit
-from symosc.orbits.find import find_orbit
+from symosc.orbits.find import settled_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.words import Word, cycle, of_belts
 
@@ -404,7 +404,7 @@ def _settled(plane: BorderPlane, p: Parameters) -> tuple[np.ndarray, Orbit | Non
     """
     place = np.array([float(getattr(p, name)) for name in plane.names])
     try:
-        orbit = find_orbit(p)
+        orbit = settled_orbit(p)
     except ConvergenceError:
         return place, None
     return place, Orbit(Word(orbit.labels), orbit.periods, orbit.phases())

@@ -93,7 +93,7 @@ from symosc.orbits.find import (
     switching_points,
 )
 from symosc.orbits.floquet import NEAR_ONE, multipliers_of
-from symosc.orbits.followed_orbit import FollowedOrbit
+from symosc.orbits.followed_orbit import FollowedOrbit, is_undamped
 from symosc.orbits.law_branch import end_of
 from symosc.orbits.law_curve import CurvePoint, LawCurve
 from symosc.orbits.periodic_orbit import PeriodicOrbit, SwitchingPoint
@@ -174,9 +174,13 @@ class BranchError(SymoscError, ValueError):
     F^(2) > 0 where P2 crosses v1 (Theorem 5)
     """
 
-    def __init__(self, orbit: PeriodicOrbit) -> None:
+    def __init__(self, orbit: PeriodicOrbit, hint: str = "") -> None:
         self.orbit = orbit
-        super().__init__(f"the branch of {orbit.word} has no first orbit: {orbit.message}")
+        if orbit.word:
+            text = f"the branch of {orbit.word} has no first orbit: {orbit.message}"
+        else:
+            text = f"the branch has no first orbit: the motion settles to {orbit.message}"
+        super().__init__(text + hint)
 
 
 class BranchEnd(NamedTuple):
@@ -473,6 +477,7 @@ def continue_orbit(
         "Omega", "A0", "FN", ...: any name of Parameters; under another law any name of its numbers,
         such as mu_s1, w1_1, slope1.
     range : (low, high)
+        The range of the parameter, such as (3, 5), with its value at the beginning in it.
     guess, periods : optional
         As for `find_orbit`.
     max_points : int
@@ -551,8 +556,12 @@ def _branch_of_law(
         orbit = guess
     else:
         orbit = find_orbit(model, word, guess, periods=periods)
-    if not isinstance(orbit, FollowedOrbit) or orbit.is_rest:
+    if not isinstance(orbit, FollowedOrbit):
         raise BranchError(orbit)
+    if orbit.motion is None:
+        raise BranchError(orbit, "; give a guess (t, x, v) near a cycle")
+    if not orbit.labels and is_undamped(orbit.motion):
+        raise BranchError(orbit, "; it is one of a family, and others lie beside it")
     name = orbit.word or "an orbit without a belt"
     with late_bar(progress, f"{name} over {parameter}", "orbits") as advance:
         ways = []

@@ -115,7 +115,8 @@ def find_orbit(
         two belts the mappings are S, B, A, U and D with the numbers of belts (P1, P2 and P3 are
         read as S1, B1 and A1). All rotations of a word are one orbit: its word is `Word.cycle`, and
         its points begin where that does. None: the orbit to which the motion from the start
-        settles; with a `guess` under a law that is not the paper's, the orbit near it.
+        settles, which has no word if it meets no belt; with a `guess` under a law that is not the
+        paper's, the orbit near it.
     guess : optional
         None: from simulations. Or n pairs (t, x), one for each switching in order of time, from
         where `word` begins, or `Word.cycle` does. Or one
@@ -246,7 +247,14 @@ def _orbit_of_paper(
                 "word is required without a damper: for c = 0 a motion need not settle; or give a "
                 "start, x0 and v0",
             )
-        orbit = settled_orbit(model.parameters, digits, belts=belts)
+        try:
+            orbit = settled_orbit(model.parameters, digits, belts=belts)
+        except ConvergenceError as error:
+            # The motion may meet no belt any more, or only graze one: there is no word to solve for.
+            try:
+                return settled_orbit_of(model, 0, 0, 0, digits)
+            except ConvergenceError:
+                raise error from None
     else:
         read = of_belts(read_word(word), belts)
         orbit = orbit_of_word(model.parameters, read, guess, digits, periods)

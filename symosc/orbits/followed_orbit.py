@@ -257,9 +257,6 @@ class FollowedOrbit(PeriodicOrbit):
             "start": dict(zip(("t", "x", "v"), map(float, self.start), strict=True)),
         }
 
-    def __repr__(self) -> str:
-        return f"<PeriodicOrbit {self.word or 'without a belt'}: {self.message}>"
-
 
 def followed_orbit(
     section: SpeedSection,
@@ -271,16 +268,19 @@ def followed_orbit(
     residual: float,
     steps: int,
     digits: int | None,
+    motion: Trajectory | None = None,
 ) -> FollowedOrbit | None:
     """Follow the law's motion from a passage for one period; return the orbit if it closes, else
     None.
 
-    `span` is the period, `changes` are the derivatives of the return map.
+    `span` is the period, `changes` are the derivatives of the return map; `motion` is the law's, if
+    it is known.
     """
     law = section.law
     v = section.speed
     more = digits if digits is None else digits + 2
-    motion = simulate(law, t0=t, x0=x, v0=v, t_end=t + span, digits=more)
+    if motion is None:
+        motion = simulate(law, t0=t, x0=x, v0=v, t_end=t + span, digits=more)
     if float(motion.t_end) < float(t + span):
         return None
     first, second = _multipliers(section, motion, periods, changes)
@@ -292,6 +292,12 @@ def followed_orbit(
     if max(off_x, off_v) > CLOSES * max(1.0, largest):
         return None
     labels, order = _cycle(motion)
+    touched = belts_touched(motion)
+    if touched:  # rounding decides whether the mass sticks there for a moment
+        labels = ()
+        order = []
+        first = 1 + 0 * first
+        second = first
     events = [(turns, motion.events[n]) for turns, n in order]
     lag = _lag(events, law, t, periods, digits)
     points = tuple(
@@ -302,6 +308,8 @@ def followed_orbit(
     gap = _gap(values, periods)
     stable = None if abs(gap) <= NEAR_ONE else gap > 0
     near = min(turning_distance(motion, inside, vs), passing_distance(motion))
+    if touched:
+        near = 0.0
     period = _rounded(span, digits)
     return FollowedOrbit(
         parameters=law,
@@ -316,7 +324,7 @@ def followed_orbit(
         admissible=True,
         failures=(),
         grazing_distance=near,
-        message=_message(periods, period, stable, gap, near),
+        message=_message(periods, period, stable, gap, near, touched),
         steps=steps,
         digits=digits,
         start=(_rounded(t - lag, digits), _rounded(x, digits), v),
@@ -460,8 +468,15 @@ def points_of(motion: Trajectory) -> list[tuple[Event, Event]]:
     the one after it.
     """
     events = motion.events
+    return [(events[n], events[(n + 1) % len(events)]) for n in numbers_of_points(motion)]
+
+
+def numbers_of_points(motion: Trajectory) -> list[int]:
+    """Return the numbers of the events of the motion over one period in the order of the orbit's
+    word.
+    """
     _, order = _cycle(motion)
-    return [(events[n], events[(n + 1) % len(events)]) for _, n in order]
+    return [n for _, n in order]
 
 
 def _lag(
@@ -537,7 +552,40 @@ def passing_distance(motion: Trajectory) -> float:
     return nearest
 
 
-def _message(periods: int, period: Number, stable: bool | None, gap: float, near: float) -> str:
+def belts_touched(motion: Trajectory) -> list[int]:
+    """Return the belts that a circle of the undamped motion touches: none if the motion is no
+    such circle.
+
+    Without drive and damping, the mass slips from a belt whose static friction is its kinetic one
+    where no force acts. It then flies round the largest circle below the belt's speed, and comes
+    back with no force to hold it.
+    """
+    if not is_undamped(motion):
+        return []
+    law = motion.parameters.law
+    touched = sorted({event.boundary for event in motion.events})
+    holds = any(law.excess(boundary) for boundary in touched)
+    sticks = all(event.kind in ("stick", "slip", "graze") for event in motion.events)
+    if holds or not sticks:
+        return []
+    return touched
+
+
+def is_undamped(motion: Trajectory) -> bool:
+    """Return whether a motion without a drive flies through bands without damping only."""
+    model = motion.parameters
+    rows = set(motion._pieces[BAND_ROW].astype(int).tolist())
+    return model.B0 == 0 and not any(model.law.damping(model.c, row) for row in rows)
+
+
+def _message(
+    periods: int,
+    period: Number,
+    stable: bool | None,
+    gap: float,
+    near: float,
+    touched: Sequence[int],
+) -> str:
     """Return the message of an orbit: its kind, what decides its stability, and how far from
     grazing it is.
     """
@@ -552,6 +600,8 @@ def _message(periods: int, period: Number, stable: bool | None, gap: float, near
         )
     if stable is None:
         message += " (no neighbour need come nearer)"
-    if near < inf:
+    if touched:
+        message += f", touches belt {' and '.join(map(str, touched))}"
+    elif near < inf:
         message += f", {near:.3g} in velocity away from grazing"
     return message

@@ -10,13 +10,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from symosc.base.errors import SymoscError
+from symosc.base.errors import ParameterError, SymoscError
 from symosc.orbits.admissibility import Condition
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.law_curve import CurvePoint, LawCurve, LawCurveEnd
 from symosc.orbits.law_margins import margins
 from symosc.orbits.settling import settled_orbit_of
-from symosc.orbits.shooting import orbit_near
 
 #: A margin that is a larger part of its like than this has not vanished.
 VANISHED = 1e-3
@@ -42,15 +41,19 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
     """Return the end of a branch with what happens there."""
     name = curve.parameter
     if end.why == "range":
-        return LawEnd(
-            "end of the range", end.value, f"{name} reaches the end of its range", (), None
-        )
+        message = f"{name} reaches the end of its range"
+        if not _is_allowed_beyond(curve, points[-1]):
+            message += ", beyond which there is no such friction law"
+        return LawEnd("end of the range", end.value, message, (), None)
     if end.why == "most":
         return LawEnd("max_points", end.value, "the branch goes on", (), None)
     if end.why == "closed":
         return LawEnd("closed curve", end.value, "the branch comes back to its beginning", (), None)
     if end.why == "shrunk":
         message = "the cycle shrinks to a rest, at a corner of the friction curve"
+        return LawEnd("onset at a corner", end.value, message, (), None)
+    if end.why == "family":
+        message = "the cycle stays in a band without damping, and so does every smaller one"
         return LawEnd("onset at a corner", end.value, message, (), None)
     last = points[-1]
     found = margins(last.orbit)
@@ -59,7 +62,7 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
     if not vanished:
         message = "no orbit with the word is found beyond"
         return LawEnd("no convergence", end.value, message, tuple(found[:1]), beyond)
-    first = min(vanished, key=lambda margin: margin.value / margin.scale)
+    first = min(vanished, key=lambda margin: (margin.rank, margin.value / margin.scale))
     message = f"the condition '{first.text}' fails at t = {first.t:.6g}"
     kind = first.event
     if not near:
@@ -70,18 +73,24 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
     return LawEnd(kind, end.value, message, vanished, beyond)
 
 
+def _is_allowed_beyond(curve: LawCurve, last: CurvePoint) -> bool:
+    """Return whether a law may have a value of the parameter just beyond the last one."""
+    goes = 1.0 if last.tangent[2] > 0 else -1.0
+    try:
+        curve.law(last.value + goes * BEYOND[0] * (curve.high - curve.low))
+    except ParameterError:
+        return False
+    return True
+
+
 def _beyond(curve: LawCurve, points: list[CurvePoint]) -> tuple[str | None, bool]:
     """Return the word of an orbit just beyond the end, None if none is found, and whether one is."""
     last = points[-1]
     goes = 1.0 if last.tangent[2] > 0 else -1.0
     for part in BEYOND:
         value = last.value + goes * part * (curve.high - curve.low)
-        try:
-            t, x, v = last.t, last.x, float(last.section.speed)
-            orbit = orbit_near(curve.law(value), t, x, v, curve.periods or None)
-        except SymoscError:
-            continue
-        if orbit.is_rest or orbit.labels == last.orbit.labels:
+        orbit = curve.orbit_near(last, value)
+        if orbit is None or orbit.labels == last.orbit.labels:
             continue
         off = abs(float(orbit.period) - last.span) / last.span
         times = np.linspace(0.0, last.span, SAMPLES)

@@ -1,10 +1,11 @@
 """Curves of periodic orbits of any friction law over one parameter, through folds, stable or not.
 
 The unknowns are a passage through a section (`symosc.orbits.return_maps`) and the parameter. Newton's
-method on the return map and on the arclength has the exact derivatives of both, also by the
-parameter. The motions are those of the law, so that every point is an orbit with its word, followed
-by the engine. A step whose orbit has another word, or that finds none, is made shorter, until what
-is left is below the resolution: there the branch ends.
+method follows the motion along the itinerary of the orbit before (`symosc.orbits.itinerary`). Then
+the engine follows it: every point is an orbit of the law with its word. Where a step finds none, or
+an orbit with another word, the end is looked for as the zero of an inequality
+(`symosc.orbits.law_border`). Where that is not found the step is made shorter, until what is left is
+below the resolution: there the branch ends.
 
 What becomes of an orbit at an end is seen from the orbit there: a turn of a flight at the speed of a
 belt is a graze, a stick of no length vanishes, a crossing at the limit of friction turns into a
@@ -26,8 +27,12 @@ from symosc.base.errors import ParameterError
 from symosc.kernels import linear
 from symosc.model import Model
 from symosc.orbits.followed_orbit import FollowedOrbit, followed_orbit
+from symosc.orbits.itinerary import Itinerary, LawInDoubles, MotionOnWay, itinerary_of
+from symosc.orbits.law_border import BorderAhead, border_ahead
 from symosc.orbits.law_margins import margins
-from symosc.orbits.return_maps import Passage, SpeedSection, quality_of, section_through
+from symosc.orbits.return_maps import SpeedSection, quality_of, section_through
+from symosc.simulation.simulate import simulate
+from symosc.simulation.trajectory import BAND_ROW, Trajectory
 
 #: Lengths of steps, in the arclength of (time/pace, x/size, parameter/range).
 FIRST_STEP = 0.01
@@ -39,13 +44,20 @@ TRIED_AGAIN = (8 * RESOLUTION, 1e-9)
 GROWTH = 1.5
 #: A step is too long if the tangent turns by more than what this cosine says.
 LEAST_COSINE = 0.95
+#: Where the curve goes along the parameter by more than this, corrections keep its value.
+ALONG_PARAMETER = 0.5
 #: A correction is longer than the step by at most this factor.
 LONGEST_CORRECTION = 0.5
 #: Newton's steps of a correction at most, and the residuals that are small enough.
 MOST_CORRECTIONS = 6
 FOUND = 1e-13
 GOOD = 1e-11
-MOST_HALVINGS = 1
+#: How often a correction begins again, where the motion passes other corners than the one before.
+MOST_ITINERARIES = 6
+#: The change of the parameter, as a part of its range, in difference quotients; and how many laws in
+#: doubles are kept.
+DIFFERENCE = 1e-7
+MOST_KEPT = 16
 #: A section is given up if it is less steep and nearer to a belt than FINE_SECTION, and worse than
 #: this part of the best.
 FINE_SECTION = 0.6
@@ -61,13 +73,28 @@ MOST_LOCATING = 60
 SHRUNK = 1e-4
 #: Samples of an orbit for its extent.
 SAMPLES = 1024
+#: At most so many inequalities may be those that fail at an end, the nearest to 0 first; and so often
+#: the end is computed anew from an orbit nearer to it.
+MOST_REASONS = 4
+MOST_NEARER = 8
+#: So far before an end, in parts of RESOLUTION, is the last orbit; beyond it there is none after this
+#: part of the range.
+BEFORE_END = 2
+BEYOND_END = 1e-9
+#: The least part of the way to an end that is tried.
+LEAST_PART = 1e-9
+#: An end is looked for as far ahead as this times the step that found no orbit.
+REACH = 2.0
+#: A value of the parameter is an end of the range within this part of it.
+ROUNDING = 1e-15
 #: Points before the curve may be closed.
 LEAST_LOOP = 12
 
 
 class CurvePoint(NamedTuple):
     """An orbit on the curve: the parameter, the passage, the period, the derivatives of the return
-    map by t, x and the parameter, the tangent in scaled unknowns, and the orbit.
+    map by t and x, the tangent in scaled unknowns, the orbit, its itinerary, and its margins without
+    those of the forces during sticks.
     """
 
     value: float
@@ -78,6 +105,19 @@ class CurvePoint(NamedTuple):
     changes: np.ndarray
     tangent: np.ndarray
     orbit: FollowedOrbit
+    itinerary: Itinerary
+    margins: dict[tuple[int, str], float]
+
+
+class PointFound(NamedTuple):
+    """A point that Newton's method found: scaled unknowns, the motion along the itinerary, the
+    period, and the derivatives of the equations by the unknowns.
+    """
+
+    z: np.ndarray
+    followed: MotionOnWay
+    span: float
+    rows: np.ndarray
 
 
 class CurveEvent(NamedTuple):
@@ -89,7 +129,7 @@ class CurveEvent(NamedTuple):
 
 
 class LawCurveEnd(NamedTuple):
-    """Why the curve ends: "range", "lost", "shrunk", "closed" or "most", at a value of the
+    """Why the curve ends: "range", "lost", "shrunk", "family", "closed" or "most", at a value of the
     parameter.
     """
 
@@ -120,13 +160,18 @@ class LawCurve:
         self.pace = float(self.first.period) / (2 * pi * max(1, self.periods))
         self.scale = np.array([self.pace, self.size, self.high - self.low])
         self.value = float(self.model.numbers()[self.parameter])
-        self.passages = 0
+        self._models = dict[float, Model]()
+        self._laws = dict[float, LawInDoubles]()
 
     # -- one point ---------------------------------------------------------------------------------
 
     def law(self, value: float) -> Model:
         """Return the oscillator at a value of the parameter."""
-        return self.model.replace(**{self.parameter: value})
+        if value not in self._models:
+            while len(self._models) >= MOST_KEPT:  # the oldest goes
+                del self._models[next(iter(self._models))]
+            self._models[value] = self.model.replace(**{self.parameter: value})
+        return self._models[value]
 
     def span_of(self, value: float, span: float) -> float:
         """Return the period at a value of the parameter; without a drive that is `span`."""
@@ -135,45 +180,70 @@ class LawCurve:
         Omega = value if self.parameter == "Omega" else float(self.model.Omega)
         return 2 * pi * self.periods / Omega
 
-    def passage(
-        self, section: SpeedSection, z: np.ndarray, span: float
-    ) -> tuple[SpeedSection, Passage, float] | None:
-        """Return section, passage and period for the unknowns z = (t, x, value); None if the motion
-        does not come back.
-        """
+    def in_doubles(self, value: float) -> LawInDoubles:
+        """Return the law in doubles at a value of the parameter."""
+        if value not in self._laws:
+            while len(self._laws) >= MOST_KEPT:  # the oldest goes
+                del self._laws[next(iter(self._laws))]
+            self._laws[value] = LawInDoubles(self.law(value))
+        return self._laws[value]
+
+    def split(self, z: np.ndarray) -> tuple[float, float, float]:
+        """Return time, position and the value of the parameter for scaled unknowns."""
         t, x, value = (z * self.scale).tolist()
+        for bound in (self.low, self.high):  # beyond it there may be no law, by a rounding
+            if abs(value - bound) <= ROUNDING * abs(bound):
+                value = bound
+        return t, x, value
+
+    def passage(self, itinerary: Itinerary, z: np.ndarray) -> MotionOnWay | None:
+        """Return the motion along an itinerary for the unknowns z = (t, x, value), None if there is
+        none.
+        """
+        t, x, value = self.split(z)
         try:
-            section = replace(section, law=self.law(value))
-            span = self.span_of(value, span)
-            end = section.passage(t, x, span, ("t0", "x0", self.parameter))
+            followed = itinerary.follow(self.in_doubles(value), t, x)
         except (ParameterError, OverflowError):
             return None
-        self.passages += 1
-        if end is None or not np.isfinite(end.changes).all():
+        if followed is None or not np.isfinite(followed.changes).all():
             return None
-        if not self.periods:
-            span = end.t - t
-        return section, end, span
+        return followed
 
-    def equations(self, z: np.ndarray, end: Passage, span: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the residual of the return map and its derivatives by the unknowns, both scaled.
+    def residual(self, z: np.ndarray, followed: MotionOnWay, span: float) -> np.ndarray:
+        """Return by how much the motion misses its start, in time and position, scaled.
 
-        Without a drive the time has no equation, but is kept where it is.
+        Without a drive the time has no equation.
         """
         t, x, value = (z * self.scale).tolist()
-        rows = end.changes.astype(float) * self.scale
+        late = 0.0
         if self.periods:
-            residual = np.array([end.t - t - span, end.x - x])
-            rows[0, 0] -= self.scale[0]
-            if self.parameter == "Omega":
-                rows[0, 2] += span / value * self.scale[2]
-        else:
-            residual = np.array([0.0, end.x - x])
-            rows[0] = (self.scale[0], 0.0, 0.0)
-            rows[1, 0] = 0.0
-        rows[1, 1] -= self.scale[1]
+            late = followed.end.t - t - self.span_of(value, span)
+        return np.array([late, followed.end.x - x]) / self.scale[:2]
+
+    def slope(
+        self, itinerary: Itinerary, z: np.ndarray, followed: MotionOnWay, span: float
+    ) -> np.ndarray | None:
+        """Return the derivatives of the residual by the scaled parameter, as a difference quotient;
+        None if there are no motions beside z.
+        """
+        here = self.residual(z, followed, span)
+        for shift in (DIFFERENCE, -DIFFERENCE):
+            beside = z + np.array([0.0, 0.0, shift])
+            later = self.passage(itinerary, beside)
+            if later is not None:
+                return np.asarray((self.residual(beside, later, span) - here) / shift)
+        return None
+
+    def rows(self, followed: MotionOnWay, slope: np.ndarray) -> np.ndarray:
+        """Return the derivatives of the residual by the scaled unknowns.
+
+        Without a drive the time is kept where it is.
+        """
+        rows = followed.changes - np.eye(2)
+        if not self.periods:
+            rows = np.array([[1.0, 0.0], [0.0, rows[1, 1]]])
         units = self.scale[:2]
-        return residual / units, rows / units[:, None]
+        return np.column_stack([rows * units / units[:, None], slope])
 
     def tangent(self, rows: np.ndarray, like: np.ndarray) -> np.ndarray:
         """Return the unit vector along the curve, in the direction of another."""
@@ -188,46 +258,105 @@ class LawCurve:
         return across
 
     def corrected(
-        self, section: SpeedSection, guess: np.ndarray, span: float, along: np.ndarray
-    ) -> tuple[np.ndarray, SpeedSection, Passage, float, np.ndarray] | None:
+        self,
+        itinerary: Itinerary,
+        begin: np.ndarray,
+        guess: np.ndarray,
+        span: float,
+        along: np.ndarray,
+    ) -> PointFound | None:
         """Return the point of the curve in the plane through `guess` across `along`, None if
-        Newton's method finds none near.
+        Newton's method finds none near `begin`.
         """
-        z = guess
-        found = self.passage(section, z, span)
-        if found is None:
-            return None
+        z = begin
+        followed = self.passage(itinerary, z)
+        keeps_value = not along[:2].any() and z[2] == guess[2]
+        slope = np.zeros(2) if keeps_value else None
         for _ in range(MOST_CORRECTIONS):
-            section, end, span = found
-            residual, rows = self.equations(z, end, span)
+            if followed is None:
+                return None
+            residual = self.residual(z, followed, span)
             miss = float(np.abs(residual).max())
-            if miss < FOUND:
-                return z, section, end, span, rows
+            if miss < FOUND and slope is not None:
+                break
+            if slope is None:  # good enough for all steps
+                slope = self.slope(itinerary, z, followed, span)
+            if slope is None:
+                return None
+            right = np.append(residual, linear.dot(z - guess, along))
             try:
-                step = -linear.solve(
-                    np.vstack([rows, along]), np.append(residual, linear.dot(z - guess, along))
-                )
+                step = -linear.solve(np.vstack([self.rows(followed, slope), along]), right)
             except ZeroDivisionError:
                 return None
-            part = 1.0
-            for _ in range(MOST_HALVINGS):
-                later = self.passage(section, z + part * step, span)
-                if later is not None:
-                    off, _ = self.equations(z + part * step, later[1], later[2])
-                    if float(np.abs(off).max()) < miss:
-                        break
-                part /= 4
-            else:
-                if miss < GOOD:
-                    return z, section, end, span, rows
+            if keeps_value:  # to the bit
+                step[2] = 0.0
+            later = self.passage(itinerary, z + step)
+            if later is None:
                 return None
-            z = z + part * step
-            found = later
-        section, end, span = found
-        residual, rows = self.equations(z, end, span)
-        if float(np.abs(residual).max()) < GOOD:
-            return z, section, end, span, rows
-        return None
+            off = float(np.abs(self.residual(z + step, later, span)).max())
+            if off >= miss:
+                break
+            z = z + step
+            followed = later
+        if followed is None or float(np.abs(self.residual(z, followed, span)).max()) >= GOOD:
+            return None
+        slope = self.slope(itinerary, z, followed, span)
+        if slope is None:
+            return None
+        if not self.periods:
+            t, _, _ = (z * self.scale).tolist()
+            span = followed.end.t - t
+        else:
+            span = self.span_of(float(z[2] * self.scale[2]), span)
+        return PointFound(z, followed, span, self.rows(followed, slope))
+
+    def point_across(
+        self,
+        section: SpeedSection,
+        itinerary: Itinerary,
+        guess: np.ndarray,
+        span: float,
+        across: np.ndarray,
+        like: np.ndarray,
+        any_word: bool = False,
+        before: np.ndarray | None = None,
+    ) -> CurvePoint | None:
+        """Return the orbit in the plane through `guess` across a direction, with a tangent like
+        another; None if none is found near, or only one with another word unless that is allowed.
+        `before` are the unknowns of an orbit from which the next one is looked for.
+
+        The engine follows it. Where its motion passes other corners than the itinerary, it gives the
+        next itinerary.
+        """
+        begins = [guess]
+        if before is not None and not across[:2].any():
+            # From the guess the motion may not reach the belt, from where it was it does.
+            begins.append(np.append(before[:2], guess[2]))
+        for _ in range(MOST_ITINERARIES):
+            found = None
+            for begin in begins:
+                found = found or self.corrected(itinerary, begin, guess, span, across)
+            if found is None:
+                return None
+            begins = [found.z]
+            t, x, value = self.split(found.z)
+            try:
+                section = replace(section, law=self.law(value))
+            except ParameterError:
+                return None
+            motion = self.motion(section, t, x, found.span)
+            seen = itinerary_of(motion, section.upwards)
+            is_seen = seen.legs == itinerary.legs
+            itinerary = seen
+            if is_seen or not (any_word or is_along(motion, self.first.labels)):
+                break
+        assert found is not None
+        tangent = self.tangent(found.rows, like)
+        return self.as_point(found, section, motion, itinerary, tangent, any_word)
+
+    def motion(self, section: SpeedSection, t: float, x: float, span: float) -> Trajectory:
+        """Return the law's motion for some time from a passage."""
+        return simulate(section.law, t0=t, x0=x, v0=section.speed, t_end=t + span, accuracy=inf)
 
     def unknowns(self, point: CurvePoint) -> np.ndarray:
         """Return the scaled unknowns of a point."""
@@ -242,28 +371,44 @@ class LawCurve:
         z = self.unknowns(point)
         guess = z + step * point.tangent
         across = point.tangent if along is None else along
-        found = self.corrected(point.section, guess, point.span, across)
-        if found is None:
+        if along is None and abs(point.tangent[2]) > ALONG_PARAMETER:
+            # at one value of the parameter there is one law only
+            across = np.array([0.0, 0.0, 1.0])
+        later = self.point_across(
+            point.section, point.itinerary, guess, point.span, across, point.tangent, before=z
+        )
+        if later is None:
             return None
-        z_new, section, end, span, rows = found
-        if linear.norm(z_new - guess) > LONGEST_CORRECTION * abs(step) + GOOD:
+        off = linear.norm(self.unknowns(later) - guess)
+        if off > LONGEST_CORRECTION * abs(step) + GOOD:
             return None
-        tangent = self.tangent(rows, point.tangent)
-        if linear.dot(tangent, point.tangent) < LEAST_COSINE:
+        if linear.dot(later.tangent, point.tangent) < LEAST_COSINE:
             return None
-        return self.as_point(z_new, section, end, span, tangent)
+        return later
 
     def as_point(
-        self, z: np.ndarray, section: SpeedSection, end: Passage, span: float, tangent: np.ndarray
+        self,
+        found: PointFound,
+        section: SpeedSection,
+        motion: Trajectory,
+        itinerary: Itinerary,
+        tangent: np.ndarray,
+        any_word: bool,
     ) -> CurvePoint | None:
         """Return a point of the curve with its orbit; None if the motion does not close, or has
-        another word.
+        another word unless that is allowed.
         """
-        t, x, value = (z * self.scale).tolist()
-        orbit = followed_orbit(section, t, x, span, self.periods, end.changes[:, :2], 0.0, 0, None)
-        if orbit is None or orbit.labels != self.first.labels:
+        t, x, value = self.split(found.z)
+        changes = found.followed.changes
+        orbit = followed_orbit(
+            section, t, x, found.span, self.periods, changes, 0.0, 0, None, motion
+        )
+        if orbit is None or not (any_word or orbit.labels == self.first.labels):
             return None
-        return CurvePoint(value, section, t, x, span, end.changes, tangent, orbit)
+        table = {(margin.piece, margin.text): margin.value for margin in margins(orbit, False)}
+        return CurvePoint(
+            value, section, t, x, found.span, changes, tangent, orbit, itinerary, table
+        )
 
     def begin(self, direction: float) -> CurvePoint | None:
         """Return the first point, with the tangent in a direction of the parameter."""
@@ -273,12 +418,9 @@ class LawCurve:
         t = float(self.first.motion.t_start)
         z = np.array([t, float(self.first.start[1]), self.value]) / self.scale
         along = np.array([0.0, 0.0, 1.0])
-        found = self.corrected(section, z, float(self.first.period), along)
-        if found is None:
-            return None
-        z, section, end, span, rows = found
-        tangent = self.tangent(rows, direction * along)
-        return self.as_point(z, section, end, span, tangent)
+        itinerary = itinerary_of(self.first.motion, section.upwards)
+        span = float(self.first.period)
+        return self.point_across(section, itinerary, z, span, along, direction * along)
 
     def with_better_section(
         self, points: list[CurvePoint], enough: float = POOR_SECTION
@@ -304,11 +446,11 @@ class LawCurve:
             if before is None:
                 return point, False
             along = z - before
-        found = self.corrected(section, z, point.span, along / linear.norm(along))
-        if found is None:
-            return point, False
-        z, section, end, span, rows = found
-        better = self.as_point(z, section, end, span, self.tangent(rows, along))
+        along = along / linear.norm(along)
+        t, x, _ = (z * self.scale).tolist()
+        section = replace(section, law=self.law(point.value))
+        itinerary = itinerary_of(self.motion(section, t, x, point.span), section.upwards)
+        better = self.point_across(section, itinerary, z, point.span, along, along)
         return better or point, better is not None
 
     def passed(self, point: CurvePoint, section: SpeedSection) -> np.ndarray | None:
@@ -354,6 +496,10 @@ class LawCurve:
                     step = max(step, FIRST_STEP / 10)
             point = points[-1]
             trial = min(step, bad / 2)
+            final = self.at_end_of_range(point, trial)
+            if final is not None:
+                events += self.events_between(point, final)
+                return [*points, final], events, LawCurveEnd("range", final.value)
             later = self.point_near(point, trial)
             if later is None and tried_any < len(points):
                 # The section may be in the way: the next orbits need not pass it.
@@ -361,6 +507,12 @@ class LawCurve:
                 points[-1], changed = self.with_better_section(points, ANY_BETTER)
                 if changed:
                     continue
+            if later is None or (trial > NO_GAP and self.may_have_gap([*points[-2:], later])):
+                located = self.end_ahead(point, trial)
+                if located is not None:
+                    final, end = located
+                    events += self.events_between(point, final)
+                    return [*points, final], events, end
             if later is None:
                 bad = trial
                 step = trial / 2
@@ -386,6 +538,8 @@ class LawCurve:
             if trial > NO_GAP and self.may_have_gap([*points[-2:], later]):
                 step = trial / 2
                 continue
+            if self.is_in_family(later):
+                return [*points, later], events, LawCurveEnd("family", later.value)
             events += self.events_between(point, later)
             points.append(later)
             bad -= trial
@@ -401,22 +555,95 @@ class LawCurve:
                 return points, events, LawCurveEnd("closed", later.value)
         return points, events, LawCurveEnd("most", points[-1].value)
 
+    def end_ahead(self, point: CurvePoint, step: float) -> tuple[CurvePoint, LawCurveEnd] | None:
+        """Return the last orbit before the end of the word next to a point, and the end, which is
+        less than about a step away; None if none is found.
+        """
+        direction = 1.0 if point.tangent[2] > 0 else -1.0
+        width = self.scale[2]
+        reach = REACH * step * abs(point.tangent[2]) * width
+        last = point
+        for _ in range(MOST_NEARER):
+            ahead = self.border_ahead(last, direction, reach)
+            if ahead is None:
+                return None
+            shift = direction * BEFORE_END * RESOLUTION * width
+            # The first value may be beyond the end: there the motion passes other corners.
+            part = 1.0
+            later = self.orbit_beside(last, ahead, ahead.value - shift)
+            while later is None and part > LEAST_PART:
+                part /= 8
+                away = part * (ahead.value - last.value)
+                later = self.orbit_beside(last, ahead, ahead.value - away)
+            if later is None:
+                return None
+            is_there = abs(later.value - ahead.value) <= 2 * abs(shift)
+            has_moved = abs(later.value - last.value) > 4 * abs(shift)
+            last = later
+            if is_there and not has_moved:
+                break
+        else:
+            return None
+        if self.orbit_beside(last, ahead, ahead.value + direction * BEYOND_END * width):
+            return None
+        return last, LawCurveEnd("lost", ahead.value)
+
+    def border_ahead(self, point: CurvePoint, direction: float, reach: float) -> BorderAhead | None:
+        """Return the nearest border ahead, at which an inequality of the orbit is 0."""
+        places = list[BorderAhead]()
+        slack = 4 * BEFORE_END * RESOLUTION * self.scale[2]
+        for condition in margins(point.orbit)[:MOST_REASONS]:
+            place = border_ahead(point.orbit, condition, self.parameter, self.scale[2])
+            if place is not None and -slack < direction * (place.value - point.value) < reach:
+                places.append(place)
+        return min(places, key=lambda place: direction * place.value, default=None)
+
+    def orbit_beside(
+        self, point: CurvePoint, place: BorderAhead, value: float
+    ) -> CurvePoint | None:
+        """Return the orbit with the word of a point at a value of the parameter beside a border,
+        None if none is found.
+        """
+        along = np.array([0.0, 0.0, 1.0])
+        guess = np.array([place.t, place.x, value]) / self.scale
+        return self.point_across(
+            point.section, point.itinerary, guess, point.span, along, point.tangent
+        )
+
+    def orbit_near(self, point: CurvePoint, value: float) -> FollowedOrbit | None:
+        """Return an orbit with any word near a point at another value of the parameter, None if none
+        is found.
+        """
+        try:
+            section = replace(point.section, law=self.law(value))
+        except ParameterError:
+            return None
+        motion = self.motion(section, point.t, point.x, point.span)
+        if float(motion.t_end) < point.t + point.span:
+            return None
+        itinerary = itinerary_of(motion, section.upwards)
+        if itinerary.legs[-1].sticks or itinerary.legs[-1].band != itinerary.legs[0].band:
+            return None
+        along = np.array([0.0, 0.0, 1.0])
+        guess = np.array([point.t, point.x, value]) / self.scale
+        found = self.point_across(
+            section, itinerary, guess, point.span, along, point.tangent, any_word=True
+        )
+        return found and found.orbit
+
     def may_have_gap(self, points: list[CurvePoint]) -> bool:
         """Return whether a margin of the orbits, a parabola through three points of the curve, is
         negative between the last two.
         """
         if len(points) < 3:
             return False
-        tables = [
-            {(margin.piece, margin.text): margin for margin in margins(point.orbit, sticks=False)}
-            for point in points
-        ]
+        tables = [point.margins for point in points]
         places = [0.0]
         for before, after in pairwise(points):
             away = (after.value - before.value) / self.scale[2]
             places.append(places[-1] + max(abs(away), LEAST_AWAY))
         for key in tables[0].keys() & tables[1].keys() & tables[2].keys():
-            values = [table[key].value for table in tables]
+            values = [table[key] for table in tables]
             if _lowest_between(places, values) < 0.0:
                 return True
         return False
@@ -428,6 +655,15 @@ class LawCurve:
         times = np.linspace(float(motion.t_start), float(motion.t_end), SAMPLES)
         _, v = motion(times)
         return _highest(v) + _highest(-v)
+
+    def is_in_family(self, point: CurvePoint) -> bool:
+        """Return whether a cycle stays in one band: then the band has no damping, and every smaller
+        circle is a cycle for the same value of the parameter.
+        """
+        motion = point.orbit.motion
+        assert motion is not None
+        bands = set(motion._pieces[BAND_ROW].tolist())
+        return not self.periods and not point.orbit.labels and len(bands) == 1
 
     def shrunk_value(self, points: list[CurvePoint]) -> float:
         """Return where a cycle that shrinks in proportion has no size."""
@@ -448,20 +684,47 @@ class LawCurve:
             and linear.dot(off, points[0].tangent) < 0
         )
 
+    def at_end_of_range(self, point: CurvePoint, step: float) -> CurvePoint | None:
+        """Return the orbit at the end of the range if a step along the tangent leads beyond it, where
+        the law may not be allowed; None if it does not, or none is found.
+        """
+        if abs(point.tangent[2]) < ALONG_PARAMETER:
+            return None
+        ahead = point.value + step * float(point.tangent[2]) * self.scale[2]
+        if self.low <= ahead <= self.high:
+            return None
+        limit = self.high if ahead > self.high else self.low
+        part = (limit - point.value) / (ahead - point.value)
+        if part * step > LONGEST_STEP:
+            return None
+        guess = self.unknowns(point) + part * step * point.tangent
+        inward = self.value - limit
+        shift = float(np.sign(inward)) * BEFORE_END * RESOLUTION * self.scale[2]
+        for value in (limit, limit + shift):  # with the limit itself the orbit may be gone
+            found = self.point_on_limit(point, guess, value)
+            if found is not None and linear.dot(found.tangent, point.tangent) > LEAST_COSINE:
+                return found._replace(value=limit)
+        return None
+
+    def point_on_limit(
+        self, point: CurvePoint, guess: np.ndarray, limit: float
+    ) -> CurvePoint | None:
+        """Return the orbit at an end of the range, near a point and a guess."""
+        guess[2] = limit / self.scale[2]
+        along = np.array([0.0, 0.0, 1.0])
+        z = self.unknowns(point)
+        found = self.point_across(
+            point.section, point.itinerary, guess, point.span, along, point.tangent, before=z
+        )
+        return found and found._replace(value=limit)
+
     def at_limit(self, before: CurvePoint, beyond: CurvePoint) -> CurvePoint | None:
         """Return the orbit at the limit of the range between two points."""
         limit = self.high if beyond.value > self.high else self.low
         part = (limit - before.value) / (beyond.value - before.value)
         z = self.unknowns(before)
         guess = z + part * (self.unknowns(beyond) - z)
-        guess[2] = limit / self.scale[2]
-        along = np.array([0.0, 0.0, 1.0])
-        found = self.corrected(before.section, guess, before.span, along)
-        if found is None:
-            return None
-        z, section, end, span, rows = found
-        point = self.as_point(z, section, end, span, self.tangent(rows, before.tangent))
-        return point and point._replace(value=limit)
+        return self.point_on_limit(before, guess, limit)
 
     # -- events ------------------------------------------------------------------------------------
 
@@ -517,6 +780,11 @@ class LawCurve:
             else:
                 low, f_low = middle, value
         return point
+
+
+def is_along(motion: Trajectory, labels: tuple[str, ...]) -> bool:
+    """Return whether the mappings of a motion over one period are as many as those of a word."""
+    return len(motion.events) == len(labels)
 
 
 def _highest(v: np.ndarray) -> float:

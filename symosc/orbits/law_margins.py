@@ -59,13 +59,11 @@ def _margins(orbit: FollowedOrbit, with_sticks: bool) -> Iterator[Condition]:
     pace = float(np.abs(np.diff(v_whole)).max()) / (span / len(whole)) or 1.0
     lag = float(orbit.start[0]) - begin  # from times of the motion to those of the orbit
 
-    def forces(belt: int, time: float) -> tuple[float, float]:
+    def forces(belt: int, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return what pushes the mass up from the belt, and down: static friction included."""
-        at = begin + (time - begin) % span
+        at = begin + (times - begin) % span
         excess = float(law.excess(belt)) / m
-        below = float(motion.force(belt, at))
-        above = float(motion.force(belt + 1, at))
-        return above - excess, -(below + excess)
+        return motion.force(belt + 1, at) - excess, -(motion.force(belt, at) + excess)
 
     if not pieces:
         yield from _turns(orbit, 0, whole[:-1], v_whole[:-1], speed, lag, None)
@@ -90,8 +88,7 @@ def _margins(orbit: FollowedOrbit, with_sticks: bool) -> Iterator[Condition]:
             continue
         if sticks:
             times = start + length * np.arange(1, SAMPLES) / SAMPLES
-            pairs = np.array([forces(event.boundary, time) for time in times])
-            up, down = pairs.T
+            up, down = forces(event.boundary, times)
             leaves_up = after.target == f"Omega{event.boundary + 1}"
             exit_side, other = (up, down) if leaves_up else (down, up)
             text = f"{name} holds against the other side"
@@ -114,15 +111,16 @@ def _margins(orbit: FollowedOrbit, with_sticks: bool) -> Iterator[Condition]:
         _, v = states(inside)
         domain = int(event.target.removeprefix("Omega"))
         yield from _turns(orbit, i, times, v, speed, lag, domain)
-        up, down = forces(after.boundary, end)
+        pushes = forces(after.boundary, np.array([end]))
+        push_up, push_down = (float(push[0]) for push in pushes)
         excess = float(law.excess(after.boundary)) / m
         from_below = after.source == f"Omega{after.boundary}"
-        arrival = -down - excess if from_below else -up - excess
+        arrival = -push_down - excess if from_below else -push_up - excess
         yield Condition(
             i, f"{name} arrives at belt {after.boundary} with a force", arrival, end + lag, GRAZING,
             ARRIVAL, pace,
         )  # fmt: skip
-        onward = up if from_below else down
+        onward = push_up if from_below else push_down
         if after.kind == "cross":
             text = f"{name} passes belt {after.boundary} against static friction"
             yield Condition(i, text, onward, end + lag, BIRTH, PASSING, pace)

@@ -26,7 +26,7 @@ from symosc.orbits.closing_equations import ClosingEquations, ConvergenceError, 
 from symosc.orbits.floquet import multipliers_of
 from symosc.scenes import Scene, load_scene
 from symosc.simulation.simulate import simulate
-from symosc.words import Word, latex_label
+from symosc.words import MOST_PRINTED, Word, latex_label
 
 # The step of a difference quotient, as a part of the parameter, or of LEAST_SIZE if this is smaller.
 SENSITIVITY_STEP = Fraction(1, 10**15)
@@ -422,7 +422,11 @@ class PeriodicOrbit(Drawable):
         }
 
     def __repr__(self) -> str:
-        return f"<PeriodicOrbit {self.word}: {self.message}>"
+        if len(self.labels) > MOST_PRINTED:
+            name = f"of {len(self.labels)} mappings"
+        else:
+            name = self.word or "without a belt"
+        return f"<PeriodicOrbit {name}: {self.message}>"
 
 
 def counted_periods(periods: int) -> str:

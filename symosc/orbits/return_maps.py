@@ -31,7 +31,7 @@ from symosc.belts import Belt
 from symosc.derivatives.sensitivities import Sensitivities, sensitivities
 from symosc.engine.arithmetic import mp_context
 from symosc.engine.events import Event
-from symosc.model import OSCILLATOR_NAMES, Model, Oscillator
+from symosc.model import OSCILLATOR_NAMES, Model, Oscillator, too_fast_error
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
@@ -214,6 +214,8 @@ def quality_of(motion: Trajectory, section: SpeedSection) -> float:
 def section_through(motion: Trajectory, span: float = inf) -> SpeedSection | None:
     """Return a section that a motion passes through steeply in a flight, away from the belts, within
     a time from its start; None if it never flies.
+
+    Raise ParameterError if a belt is so fast that no speed of the motion is clear of the others.
     """
     model = motion.parameters
     samples = slopes_of(motion, span)
@@ -225,10 +227,13 @@ def section_through(motion: Trajectory, span: float = inf) -> SpeedSection | Non
     least = CLEAR * max(fastest, float(np.abs(edges).max()))
     for n in np.argsort(-quality, kind="stable").tolist():
         if quality[n] <= 0.0:
-            return None
+            break
         speed = _rounded_speed(float(v[n]), float(np.ptp(v)))
         if np.abs(edges - float(speed)).min() > least:
             return SpeedSection(model, speed, bool(samples.slopes[n] > 0))
+    flies = bool(quality.max() > 0.0)
+    if flies and CLEAR * float(np.abs(edges).max()) > fastest:
+        raise too_fast_error(model)
     return None
 
 

@@ -23,6 +23,7 @@ from symosc.orbits.followed_orbit import FollowedOrbit
 from symosc.orbits.rests import rest_at, rest_reached
 from symosc.orbits.return_maps import SpeedSection
 from symosc.orbits.shooting import free_period, orbit_near
+from symosc.orbits.unsettled import Chaotic, QuasiPeriodic, unsettled_at
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 from symosc.words import Word, first_of_cycle
@@ -46,8 +47,6 @@ MOST_WATCHED = 4_000
 NEARER = 0.5
 #: MotionLoops at the end of a motion from which its exponent is computed.
 LOOPS_OF_EXPONENT = 200
-#: An exponent this many standard errors above 0 is positive.
-CERTAIN = 3.0
 #: Starts of motions that may follow a word: positions, in parts of the size that forces cause, and
 #: phases, in parts of a turn.
 POSITIONS = (0.0, 0.5, -0.5, 1.0, -1.0, 2.0, -2.0)
@@ -215,18 +214,25 @@ def _is_reached(model: Model, loops: MotionLoops, orbit: FollowedOrbit) -> bool:
 
 
 def _unsettled_text(model: Model, loops: MotionLoops) -> str:
-    """Return the reason why no orbit is found: how long the motion was followed, and its exponent."""
+    """Return the reason why no orbit is found: how long the motion was followed, and what it is
+    instead, or its exponent.
+    """
+    followed = float(loops.motion.t_end) - float(loops.motion.t_start)
+    text = f"the motion from this start does not settle within a time of {followed:.6g}"
+    found = None
+    if model.B0 != 0:
+        found = unsettled_at(model, *loops.states[-1].tolist())
+    if isinstance(found, Chaotic):
+        about = f"the exponent {found.exponent:.3g} (+- {found.error:.1g})"
+        return f"{text}: it is chaotic, with {about}"
+    if isinstance(found, QuasiPeriodic):
+        about = f"the second frequency {found.frequency:.8g} (+- {found.frequency_error:.1g})"
+        return f"{text}: it is quasi-periodic, with {about}"
     state = loops.states[max(0, len(loops.states) - LOOPS_OF_EXPONENT)]
     t, x, v = state.tolist()
     end = float(loops.motion.t_end)
     changes = sensitivities(model, ("x0", "v0"), t0=t, x0=x, v0=v, t_end=end)
-    exponent = float(changes.lyapunov[0])
-    error = float(changes.lyapunov_error)
-    followed = float(loops.motion.t_end) - float(loops.motion.t_start)
-    text = f"the motion from this start does not settle within a time of {followed:.6g}"
-    if exponent > CERTAIN * error:
-        return f"{text}: it is chaotic, with the exponent {exponent:.3g} (+- {error:.1g})"
-    return f"{text}; its exponent is {exponent:.3g}"
+    return f"{text}; its exponent is {float(changes.lyapunov[0]):.3g}"
 
 
 def orbit_of_labels(

@@ -726,34 +726,35 @@ def _pictures() -> Iterator[Picture]:
     """Yield the paper's figures in its order, the products of forces, and Theorem 7."""
     for key, title, build, describe, alt in FIGURES:
         figure, _, variant = key.removeprefix("fig").partition("-")
-        about = (
-            key,
-            f"Fig. {figure}{FORMS[variant]}: {title}",
-            alt,
-            None if variant else int(figure),
-        )
+        heading = f"Fig. {figure}{FORMS[variant]}: {title}"
+        paper_figure = None if variant else int(figure)
         if int(figure) < 5:
-            yield Picture(*about, build, describe)
+            yield Picture(key, heading, alt, paper_figure, build, describe)
         else:
-            yield Picture(
-                *about, partial(build, key), partial(describe, key), partial(build, key, columns=1)
-            )
-    alt = (
-        "Four curves of products, positive where the mass passes a belt and negative while it "
-        "sticks to one."
-    )
-    about = "force-product", "Section 6: product of the forces", alt, None
+            of_scene = partial(build, key)
+            narrow = partial(build, key, columns=1)
+            captioned = partial(describe, key)
+            yield Picture(key, heading, alt, paper_figure, of_scene, captioned, narrow)
     yield Picture(
-        *about, product_figure, partial(str, PRODUCTS), partial(product_figure, columns=1)
+        key="force-product",
+        title="Section 6: product of the forces",
+        alt="Four curves of products, positive where the mass passes a belt and negative while it "
+        "sticks to one.",
+        paper_figure=None,
+        build=product_figure,
+        describe=partial(str, PRODUCTS),
+        narrow=partial(product_figure, columns=1),
     )
     for mapping in WINDOW_SCENES:
-        title = f"Theorem 7, eq. ({place(mapping).equation}): when {mapping} grazes"
-        alt = (
-            f"The phases at which {mapping} grazes, against the belt's speed, lie between the two "
-            "branches"
+        yield Picture(
+            key=f"theorem7-{mapping.lower()}",
+            title=f"Theorem 7, eq. ({place(mapping).equation}): when {mapping} grazes",
+            alt=f"The phases at which {mapping} grazes, against the belt's speed, lie between the "
+            "two branches of an arcsine.",
+            paper_figure=None,
+            build=partial(window_sweep, mapping),
+            describe=partial(window_caption, mapping),
         )
-        about = f"theorem7-{mapping.lower()}", title, f"{alt} of an arcsine.", None
-        yield Picture(*about, partial(window_sweep, mapping), partial(window_caption, mapping))
 
 
 #: Every picture by its key.

@@ -20,10 +20,11 @@ from symosc.base.aliases import NumberLike, Record
 from symosc.base.arguments import NUMBER, public, require, require_or_none
 from symosc.base.exact import read_exact
 from symosc.basins.attractors import Attractors
-from symosc.basins.kinds import Chaotic, ObservedCycle, Rest
+from symosc.basins.kinds import ObservedCycle, Rest
 from symosc.basins.return_map import ReturnMap
 from symosc.model import Model
 from symosc.orbits.periodic_orbit import PeriodicOrbit
+from symosc.orbits.unsettled import Chaotic, QuasiPeriodic
 from symosc.plot.drawing import FigureSize, add_legend, axes_for, draw_belts
 from symosc.plot.sweeps import (
     MOST_CLASSES,
@@ -53,7 +54,7 @@ def attractors_figure(
     """Draw the basins of attractors over a grid of starts or, without a grid, their shares.
 
     Over x0 and v0 the attractors are drawn in: rests and the states of orbits at the phase of the
-    starts as marks, limit cycles as closed lines, chaos as a cloud of points.
+    starts as marks, limit cycles as closed lines, chaos and tori as clouds of points.
 
     Parameters
     ----------
@@ -165,7 +166,7 @@ def _draw_attractor(
             style: Record = {"linewidth": 2.6, "solid_capstyle": "butt"}
         else:
             style = point | {"marker": "o", "ms": 5.5}
-    elif isinstance(orbit, Chaotic):
+    elif isinstance(orbit, Chaotic | QuasiPeriodic):
         if not _same_phase(found):
             return []
         x, v = orbit.points.T

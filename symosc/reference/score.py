@@ -315,15 +315,13 @@ class _Judge:
         begin = self.known[0].t - WINDOW * self.period
         last = [event for event in events if event.t > begin]
         before = len(events) - len(last)
-        number = abs(before - uncompared)
-        if number > 1:
-            text = f"{number} events"
-        else:
-            text = "an event"
-        if 0 < before < uncompared:
-            self.judged.note_missed(begin, text, number)
-        elif before > uncompared:
-            self.judged.note_invented(begin, text, number)
+        lacking = uncompared - before
+        if before == 0:
+            return last  # a list may have the last period alone
+        if lacking > 0:
+            self.judged.note_missed(begin, _count_text(lacking), lacking)
+        elif lacking < 0:
+            self.judged.note_invented(begin, _count_text(-lacking), -lacking)
         return last
 
     def _measure(self, i: int, event: GivenEvent) -> None:
@@ -406,6 +404,13 @@ class _Judge:
 def _larger(largest: float | None, error: float) -> float:
     """Return the larger of the largest error so far (None if there is none) and another one."""
     return max(largest or 0.0, error)
+
+
+def _count_text(number: int) -> str:
+    """Return how many events, such as "an event" or "3 events"."""
+    if number == 1:
+        return "an event"
+    return f"{number} events"
 
 
 def _event_text(event: MatchedEvent | GivenEvent) -> str:

@@ -90,6 +90,7 @@ class Scene(Drawable):
     Parameters
     ----------
     name : str
+        What messages and figures call it.
     parameters : Parameters, Oscillator or OtherModel
         With an OtherModel, give start and end in its coordinates. The scene converts all to
         symosc's oscillator, and keeps as `original` what was given; `simulate` gives the motion of
@@ -263,6 +264,10 @@ class Scene(Drawable):
         `original`.
         """
         return replace(self, original=None)
+
+
+# The __init__ that the dataclass makes.
+Scene.__init__ = public(Scene.__init__)  # type: ignore[method-assign]
 
 
 def moved_scene(scene: Scene, original: Original, **changes: Any) -> Scene:

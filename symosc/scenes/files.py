@@ -9,7 +9,7 @@ from decimal import Decimal
 from typing import Any, NamedTuple, TypeAlias
 
 from symosc.base.aliases import Record
-from symosc.base.errors import ParameterError, SceneError, SymoscError, brief, meant
+from symosc.base.errors import ParameterError, SceneError, SymoscError, brief, meant, of_other_laws
 from symosc.base.exact import show
 from symosc.base.quantities import forcing_periods, is_quantity, read_number
 from symosc.model import OSCILLATOR_NAMES, PARAMETER_NAMES
@@ -45,6 +45,8 @@ BELT_KEYS: Keys = (("v", "mu"), ("curve", "slope", "mu_s"))
 CURVE_KEYS: Keys = (("v", "curve"), ("mu", "slope", "mu_s"))
 #: Names of belts' numbers in [parameters], which exclude tables [[belts]].
 OF_NUMBERED_BELTS = tuple(name for name in PARAMETER_NAMES if name not in OSCILLATOR_NAMES)
+#: How names begin that belong into tables [[belts]].
+OF_BELTS = ("mu", "v", "w", "curve", "slope", "belt", "static")
 #: Scene files have some 500 characters, more if numbers have thousands of digits.
 MOST_CHARACTERS = 100_000
 #: In a line: tomllib takes minutes and gigabytes for a key of ten thousand parts.
@@ -243,13 +245,17 @@ def _check_table(
     for key in table:  # before what is missing: that may be what was meant
         if key not in known:
             location = file.place(*path, key)
-            hint = meant(key, missing or known)
+            of_belts = of_other_laws(key, PARAMETER_NAMES) or key in OF_NUMBERED_BELTS
+            if of_belts and prefix in ("", "parameters."):
+                hint = ""  # no similar name is meant
+            else:
+                hint = meant(key, missing or known)
             unknown = f"{prefix}{brief(key)} is unknown{hint}; known are {', '.join(known)}"
             if prefix == "parameters." and key in MODEL_KEYS:
                 unknown += (
                     "; a model other than that of symosc has a table [model], and this stands there"
                 )
-            elif prefix == "parameters." and key.startswith(("mu", "v", "curve", "slope")):
+            elif prefix in ("", "parameters.") and key.startswith(OF_BELTS):
                 unknown += "; tables [[belts]] have v, mu or curve, slope and mu_s of each belt"
             raise SceneError(file.where, f"{location}: {unknown}" if location else unknown)
     for key in missing:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from symosc.base.arguments import public
 from symosc.base.display.drawable import Comparable
 from symosc.base.display.frames import imported
 from symosc.base.exact import whole_number
@@ -58,6 +59,7 @@ class MotionSamples(Comparable):
         """Return the columns by name."""
         return {name: getattr(self, name) for name in SAMPLE_COLUMNS}
 
+    @public
     def to_csv(self, path: str | Path) -> None:
         """Write the rows as CSV with a header ("-": to standard output).
 

@@ -106,7 +106,7 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene, str, Parameters, Oscillator or OtherModel
+    scene : Scene, its name or its file; or Parameters, Oscillator or OtherModel
         A scene or the name of one (t0, x0, v0 and t_end then replace the scene's own), or
         parameters, or an oscillator with another friction law. For another model, start, end and
         answer are in the coordinates of that model.

@@ -49,6 +49,20 @@ class Columns(Drawable):
         )
 
 
+def _index(name: str, number: int, count: int) -> int:
+    """Return the index from 0 of one of `count` motions, which may be counted from the end.
+
+    An IndexError, as of any sequence, calls it `name`.
+    """
+    if not -count <= number < count:
+        if count:
+            allowed = f"must be from 0 to {count - 1}, or from -1 to {-count} from the end"
+        else:
+            allowed = "there are no motions"
+        raise IndexError(f"{name} = {number}: {allowed}")
+    return number % count
+
+
 class EventTable(Columns):
     """Events of many trajectories, one row per event, in order of trajectory and time.
 
@@ -103,7 +117,7 @@ class EventTable(Columns):
     @public
     def __getitem__(self, trajectory: int) -> EventTable:
         """Return the events of one trajectory, as a table of it alone."""
-        number = range(len(self.status))[whole_number("trajectory", trajectory)]
+        number = _index("trajectory", whole_number("trajectory", trajectory), len(self.status))
         rows = slice(*np.searchsorted(self.trajectory, [number, number + 1]))
         selected = select_rows(self, rows, [self.status[number]])
         selected.trajectory = selected.trajectory * 0
@@ -125,6 +139,7 @@ class EventTable(Columns):
             }
         return columns
 
+    @public
     def to_csv(self, path: str | Path) -> None:
         """Write the rows as CSV with a header ("-": to standard output).
 
@@ -274,6 +289,8 @@ class Summary(Columns):
         x and v where the last forcing periods ended (Omega t = 2 pi n, the start not included), in
         order of time; NaN for those that were not.
 
+    Notes
+    -----
     A column that was not asked for is ().
 
     Examples
@@ -305,7 +322,8 @@ class Summary(Columns):
         unmasked("motion", motion)
         motion = scalar_of("motion", motion)
         if isinstance(motion, (int, np.integer)) and not isinstance(motion, bool):
-            return {name: column[motion] for name, column in columns.items()}
+            number = _index("motion", int(motion), len(self))
+            return {name: column[number] for name, column in columns.items()}
         return Summary(**{name: column[motion] for name, column in columns.items()})
 
     def __repr__(self) -> str:

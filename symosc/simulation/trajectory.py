@@ -409,6 +409,7 @@ class Trajectory(Drawable):
             return value
         return value.context.nstr(value, self.digits)
 
+    @public
     def to_csv(self, path: str | Path) -> None:
         """Write the events as CSV with a header ("-": to standard output).
 
@@ -484,6 +485,7 @@ class Trajectory(Drawable):
             "events": self.table(),
         }
 
+    @public
     def to_json(self, path: str | Path) -> None:
         """Write what `as_dict` returns as JSON ("-": to standard output).
 

@@ -314,6 +314,9 @@ def test_other_laws_by_integration(model: Oscillator) -> None:
 def test_a_response_over_numbers_of_a_belt() -> None:
     over = {"mu1_1": [0.7, 0.8]}
     found = frequency_response(FALLING, over, direction="down")
+    assert found.mu1_1 is found.values
+    with pytest.raises(AttributeError, match="no column 'Omega'; it has mu1_1, status"):
+        _ = found.Omega
     for value, amplitude in zip(found.values, found.amplitude, strict=True):
         alone = frequency_response(FALLING.replace(mu1_1=value), {"Omega": [1]}, direction="up")
         assert amplitude == pytest.approx(alone.amplitude[0], rel=1e-10)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from stiction_solver import solved
 
-from symosc import Belt, Oscillator, ParameterError, attractors, bifurcation, plot
+from symosc import Belt, Oscillator, ParameterError, attractors, bifurcation, load_scene, plot
 
 STICKY = Oscillator(
     m=1, c="0.05", k=1, B0="0.6", Omega="1.4", belts=[Belt("0.1", mu="0.7", mu_s="0.7")]
@@ -53,10 +53,31 @@ def test_rest_and_cycle_coexist_between_the_onset_and_the_last_touch() -> None:
     there = np.isfinite(found.points[:, :, 0, 0])
     assert there.T.tolist() == [[False, True, True, True], [True, True, True, False]]
     assert found.coexisting.tolist() == [False, True, True, False]
-    assert found.to_xarray().section.dims == ("v1", "branch", "period", "component")
+    data = found.to_xarray()
+    assert data.section.dims == ("v1", "branch", "period", "component")
+    frame = found.to_pandas()
+    assert list(frame) == ["v1", "branch", "attractor", "period", "x", "v"]
+    assert frame.groupby("branch").v1.apply(list).to_dict() == {
+        "rest": [1.4, 1.8, 1.9], "cycle 1": [1.1, 1.4, 1.8],
+    }  # fmt: skip
+    for _, row in frame.iterrows():
+        place = {"v1": row.v1, "branch": row.branch}
+        assert data.section.sel(place).values[row.period].tolist() == [row.x, row.v]
+        assert data.attractor.sel(place) == row.attractor
 
 
 @pytest.mark.compiled("doubles")
+def test_static_friction_of_a_scene_of_the_paper() -> None:
+    """Its Parameters have none: the diagram is that of the Oscillator with it."""
+    p = load_scene("fig9").parameters
+    over = {"mu_s1": [0.3, 0.9]}
+    of_scene, of_oscillator = (
+        bifurcation(what, over, sections=2, skip=2) for what in (p, p.oscillator)
+    )
+    assert np.array_equal(of_scene.points, of_oscillator.points)
+    assert np.isfinite(of_scene.points).all()
+
+
 def test_the_diagram_tells_attractors_apart() -> None:
     found = bifurcation(FALLING, {"v1": [1.1, 1.5]})
     (axes,) = found.plot().axes

@@ -68,7 +68,9 @@ NEEDS = {
 #: test_public_arguments.
 BAD = {
     "": "Missing command",
-    "bogus": "No such command 'bogus'",
+    "bogus": "No such command 'bogus'; choose from atlas, attractors, ",
+    "fig": "did you mean figure?",
+    "c": "did you mean cases or certify or check or codegen?",
     "simulate": "Missing argument 'SCENE'",
     "simulate fig5 --bogus": "No such option",
     "simulate fig55": "scene fig55: unknown",
@@ -131,7 +133,10 @@ BAD = {
     "certify fig5 -o - --json": "standard output",
     "certify fig5 --orbit P32 --t-end 3": "are for motions, not for an orbit",
     "verify": "Missing argument 'FILE'",
-    "sweep fig9": "over",
+    "sweep fig9": "give --over NAME=LO:HI:N, such as",
+    "fit fig9 run.csv --free k --sigma small": "must be the standard deviation of the data",
+    "check run.csv fig9": "give the scene first: symosc check fig9 run.csv",
+    "simulate fig5 --t-end ten": "periods of the drive such as '10T', a quantity such as '3 s'",
     "sweep fig9 --over Omega": "'Omega' is not NAME=LO:HI:N",
     "sweep fig9 --over Omega=1:2:3 --over Omega=1:2:3": "Omega is given twice",
     "sweep fig9 --over k=1:2:3 --executor tcp://host": "is not dask:ADDRESS",

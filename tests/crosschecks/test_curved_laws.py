@@ -15,10 +15,11 @@ import law_families
 import numpy as np
 import pytest
 from cli_runs import run
+from random_laws import Problem, clear_problems, driven
 from samples import sample_of
 from scipy.integrate import solve_ivp
-from solution_ways import TOLERANCE, blamed_solutions, even, scene_of, told
-from stiction_solver import Mistakes, Solved, UnclearError, regularised, solved
+from solution_ways import blamed_solutions, even, off_by, scene_of, told
+from stiction_solver import Mistakes, UnclearError, regularised, solved
 
 from symosc import Belt, Oscillator, Scene, crosscheck, simulate
 from symosc.scenes import as_toml
@@ -70,32 +71,19 @@ def random_oscillator(rng: Rng) -> Oscillator:
             belts.append(Belt(v, curve=curve, slope=slope, mu_s=round(mu + more, 2)))
         else:
             belts.append(Belt(v, mu=mu, mu_s=round(mu + more, 2)))
-    drive: dict[str, Any] = {}
-    if rng.random() < 0.8:
-        drive = {"B0": round(rng.uniform(0.1, 2.0), 2), "Omega": round(rng.uniform(0.3, 3.0), 2)}
-    return Oscillator(
-        m=round(rng.uniform(0.3, 2.0), 2), c=round(rng.choice([0.0, rng.uniform(0.0, 0.4)]), 2),
-        k=round(rng.uniform(0.5, 4.0), 2), A0=round(rng.uniform(-0.3, 0.3), 2), belts=belts, **drive,
-    )  # fmt: skip
+    return driven(rng, belts)
 
 
-def problems(seed: int) -> Iterator[tuple[Oscillator, Start, float, Solved, Rng]]:
-    """Yield random problems whose events are clear, with the solution of a careful user of
-    scipy.
-    """
-    rng = np.random.default_rng(seed)
+def beyond_plain_laws(rng: Rng) -> Oscillator:
+    """Return a random oscillator that has a curve or three belts."""
     while True:
         p = random_oscillator(rng)
-        if not any(belt.curve for belt in p.belts) and len(p.belts) < 3:
-            continue
-        start = (0.0, round(rng.uniform(-1.5, 1.5), 3), round(rng.uniform(-1.0, 1.0), 3))
-        t_end = round(rng.uniform(8.0, 25.0), 1)
-        try:
-            right = solved(p, start, t_end)
-        except UnclearError:
-            continue
-        if right.events:
-            yield p, start, t_end, right, rng
+        if len(p.belts) == 3 or any(belt.curve for belt in p.belts):
+            return p
+
+
+def problems(seed: int) -> Iterator[Problem]:
+    return clear_problems(seed, beyond_plain_laws, (8.0, 25.0))
 
 
 # -- right solutions -------------------------------------------------------------------------------
@@ -311,10 +299,7 @@ def wrong_solutions(seed: int) -> Iterator[tuple[str, Scene, np.ndarray, float]]
                 except UnclearError:
                     continue
                 states = solution(t)
-            exact = right(t)
-            limits = 1000.0 * TOLERANCE * np.max(np.abs(exact), axis=1)
-            off = float(np.max(np.abs(states - exact) / limits[:, None]))
-            yield kind, scene_of(p, start, t_end), np.vstack([t, states]), off
+            yield kind, scene_of(p, start, t_end), np.vstack([t, states]), off_by(right, t, states)
 
 
 @pytest.mark.slow

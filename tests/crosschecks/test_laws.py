@@ -7,14 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import islice
-from typing import Any
 
 import numpy as np
 import pytest
 from law_reference import REFERENCES
+from random_laws import Problem, clear_problems, driven
 from samples import sample_of
-from solution_ways import TOLERANCE, blamed_solutions, even, scene_of, told
-from stiction_solver import Mistakes, Solved, UnclearError, regularised, solved
+from solution_ways import blamed_solutions, even, off_by, scene_of, told
+from stiction_solver import Mistakes, UnclearError, regularised, solved
 
 from symosc import Belt, Oscillator, Scene, crosscheck, simulate
 
@@ -35,30 +35,11 @@ def random_oscillator(rng: Rng) -> Oscillator:
         more = 0.0 if rng.random() < 0.15 else round(rng.uniform(0.02, 0.8), 2)
         v = round(rng.uniform(-0.5, 0.8) + n * rng.uniform(0.9, 2.0), 3)
         belts.append(Belt(v, mu=mu, mu_s=round(mu + more, 2)))
-    drive: dict[str, Any] = {}
-    if rng.random() < 0.8:
-        drive = {"B0": round(rng.uniform(0.1, 2.0), 2), "Omega": round(rng.uniform(0.3, 3.0), 2)}
-    return Oscillator(
-        m=round(rng.uniform(0.3, 2.0), 2), c=round(rng.choice([0.0, rng.uniform(0.0, 0.4)]), 2),
-        k=round(rng.uniform(0.5, 4.0), 2), A0=round(rng.uniform(-0.3, 0.3), 2), belts=belts, **drive,
-    )  # fmt: skip
+    return driven(rng, belts)
 
 
-def problems(seed: int) -> Iterator[tuple[Oscillator, Start, float, Solved, Rng]]:
-    """Yield random problems whose events are clear, with the solution of a careful user of
-    scipy.
-    """
-    rng = np.random.default_rng(seed)
-    while True:
-        p = random_oscillator(rng)
-        start = (0.0, round(rng.uniform(-1.5, 1.5), 3), round(rng.uniform(-1.0, 1.0), 3))
-        t_end = round(rng.uniform(10.0, 40.0), 1)
-        try:
-            right = solved(p, start, t_end)
-        except UnclearError:
-            continue
-        if right.events:
-            yield p, start, t_end, right, rng
+def problems(seed: int) -> Iterator[Problem]:
+    return clear_problems(seed, random_oscillator, (10.0, 40.0))
 
 
 # -- right solutions -------------------------------------------------------------------------------
@@ -154,10 +135,7 @@ def wrong_solutions(seed: int) -> Iterator[tuple[str, Scene, np.ndarray, float]]
                     states = states[:, first]
                 else:
                     states = solution(t)
-            exact = right(t)
-            limits = 1000.0 * TOLERANCE * np.max(np.abs(exact), axis=1)
-            off = float(np.max(np.abs(states - exact) / limits[:, None]))
-            yield kind, scene_of(p, start, t_end), np.vstack([t, states]), off
+            yield kind, scene_of(p, start, t_end), np.vstack([t, states]), off_by(right, t, states)
 
 
 @pytest.mark.slow

@@ -16,6 +16,7 @@ import pytest
 from fast_oracle import DIGITS as QUADRUPLE
 from fast_oracle import simulate_fast
 from oracle import simulate_oracle
+from regimes import hundredths, regime_of_seed
 from scene_families import FuzzScene
 from verdicts import label
 
@@ -38,41 +39,11 @@ STEP = Fraction(1, 10**14)
 def scene(seed: int) -> tuple[Parameters, dict[str, Fraction], Fraction]:
     """Return parameters of all regimes of damping, a start beside the belts, and an end."""
     dice = random.Random(seed)
-
-    def number(low: float, high: float) -> Fraction:
-        return Fraction(dice.randint(int(low * 100), int(high * 100)), 100)
-
-    m = number(0.2, 2)
-    k = number(0.5, 6)
-    Omega = number(0.5, 4)
-    low = number(-2, 1)
-    c = dice.choice((Fraction(0), number(0, 1), 2 * m * Omega, number(3, 9)))
-    # critical; no spring
-    if c == 2 * m * Omega:
-        k = m * Omega * Omega
-    elif seed % 11 == 3:
-        k = Fraction(0)
-    if seed % 7 == 5:
-        B0 = Fraction(0)
-    else:
-        B0 = number(1, 9)
-    mu1 = number(0, 1)
-    mu2 = number(0, 1)
-    p = Parameters(
-        m=m,
-        c=c,
-        k=k,
-        A0=number(-2, 2),
-        B0=B0,
-        Omega=Omega,
-        v1=low,
-        v2=low + number(0.5, 3),
-        mu1=mu1,
-        mu2=mu2,
-        FN=2,
-    )
-    start = {"t0": number(-3, 3), "x0": number(-3, 3), "v0": number(-4, 4) + Fraction(1, 997)}
-    return p, start, start["t0"] + number(4, 10)
+    p = regime_of_seed(dice, seed)
+    t0 = hundredths(dice, -3, 3)
+    x0 = hundredths(dice, -3, 3)
+    v0 = hundredths(dice, -4, 4) + Fraction(1, 997)
+    return p, {"t0": t0, "x0": x0, "v0": v0}, t0 + hundredths(dice, 4, 10)
 
 
 def changed(

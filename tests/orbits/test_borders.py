@@ -12,13 +12,13 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
+from fast_oracle import simulate_fast
 from oracle import simulate_oracle
 from parameter_sets import COULOMB, PLANE
 from samples import sample_of
 
 from symosc import (
     Border,
-    ConvergenceError,
     ParameterError,
     Parameters,
     continue_border,
@@ -41,7 +41,7 @@ def named(borders: list[Border], *words: str) -> Border:
 
 
 @cache
-def main_border(c: str, step: str = "0.04") -> Border:
+def main_border(c: str, step: str = "0.08") -> Border:
     """Return the border on which P32 loses to sticks, from the end of a branch."""
     branch = continue_orbit(COULOMB.replace(c=c), "P32", "FN", (0.3, 0.99))
     return continue_border(branch, 1, "Omega", PLANE, step=step)
@@ -79,9 +79,9 @@ RATIOS = "0.34 0.36 0.38 0.4 0.42 0.44 0.46 0.48 0.52 0.55 0.6 0.7 0.8 0.9 0.97 
 def test_twenty_points_of_den_hartogs_border() -> None:
     undamped = COULOMB.replace(c=0)
     graze = continue_orbit(undamped.replace(Omega="0.4", FN="0.1"), "P32", "FN", (0.05, 0.3))
-    graze = continue_border(graze, 1, "Omega", {"FN": (0.01, 1), "Omega": (0.2, 0.7)}, step="0.05")
+    graze = continue_border(graze, 1, "Omega", {"FN": (0.01, 1), "Omega": (0.2, 0.7)}, step="0.1")
     stick = continue_orbit(undamped, "P32", "FN", (0.3, 0.99))
-    stick = continue_border(stick, 1, "Omega", {"FN": (0.01, 1), "Omega": (0.3, 3)}, step="0.05")
+    stick = continue_border(stick, 1, "Omega", {"FN": (0.01, 1), "Omega": (0.3, 3)}, step="0.1")
     assert (graze.sliding, stick.sliding) == ("grazing-sliding", "crossing-sliding")
     with mpmath.workdps(30):
         for r in RATIOS.split():
@@ -118,7 +118,7 @@ def test_the_numbers_of_the_plane() -> None:
 
 @pytest.mark.slow
 def test_a_point_of_codimension_two_tends_to_the_undamped_one() -> None:
-    point = main_border("0.001", "0.05").special[0]
+    point = main_border("0.001", "0.1").special[0]
     assert (point.values[0], 1 / point.values[1]) == pytest.approx((0.33243, 2.00085), abs=1e-5)
 
 
@@ -126,7 +126,7 @@ def test_a_point_of_codimension_two_tends_to_the_undamped_one() -> None:
 def test_the_points_of_pwsdde_cont() -> None:
     p = COULOMB.replace(B0="1.5", FN=1)
     branch = continue_orbit(p, "P32", "Omega", (0.6, 1.4))
-    border = continue_border(branch, 0, "FN", (0.9, 1.2), step="0.05")
+    border = continue_border(branch, 0, "FN", (0.9, 1.2), step="0.1")
     assert border.at(FN=1) == pytest.approx((0.72267919443828, 1.23574715232190), abs=1e-12)
     for end, x in zip(branch.ends, (2.0120729528, 0.6709113787), strict=True):
         assert end.points[0].x == pytest.approx(x, abs=1e-9)
@@ -150,7 +150,7 @@ def test_the_borders_that_leave_points_of_codimension_two() -> None:
 @pytest.mark.slow
 def test_a_slip_in_a_stick_and_a_graze_meet_in_a_cubic_tangency() -> None:
     high, low = (COULOMB.replace(Omega="0.3", FN=FN) for FN in ("0.2", "0.02"))
-    borders = borders_between(high, low, ("Omega", "FN"), PLANE, step="0.04")
+    borders = borders_between(high, low, ("Omega", "FN"), PLANE, step="0.08")
     add, graze = (border for border in borders if set(border.words) == {"P3121", "P31312121"})
     assert {add.sliding, graze.sliding} == {"adding-sliding", "grazing-sliding"}
     for border in (add, graze):
@@ -216,14 +216,15 @@ def random_border(seed: int) -> tuple[Branch, Border] | None:
         return None
     for which in (0, 1):
         if branch.ends[which].beyond is not None and len(branch.labels) < 9:
-            return branch, continue_border(branch, which, names[1], ranges, step="0.05")
+            return branch, continue_border(branch, which, names[1], ranges, step="0.1")
     return None
 
 
 @pytest.mark.slow
 @sample_of(1, 60)
 def test_the_ode_changes_its_word_at_random_borders(count: int) -> None:
-    seed = done = 0
+    seed = 4  # none of the first four has a border
+    done = 0
     while done < count:
         seed += 1
         drawn = random_border(seed)
@@ -247,7 +248,7 @@ def word_of_the_ode(p: Parameters, orbit: Any, periods: int = 25) -> str:
     v = p.belt(piece.start.boundary)
     T = 2 * np.pi / float(p.Omega)
     Omega = float(p.Omega)
-    run = simulate_oracle(p, theta / Omega, x, v, theta / Omega + periods * T, dps=30)
+    run = simulate_fast(p, theta / Omega, x, v, theta / Omega + periods * T, dps=30)
     events = [event for event in run.events if event.kind != "graze"]
     last = [i for i, event in enumerate(events) if float(events[-1].t - event.t) < T * (1 - 1e-9)]
     labels = [MAPS[events[i - 1].boundary, events[i - 1].target, events[i].boundary] for i in last]
@@ -257,7 +258,7 @@ def word_of_the_ode(p: Parameters, orbit: Any, periods: int = 25) -> str:
 @pytest.mark.slow
 def test_errors_are_estimates_of_the_errors() -> None:
     border = main_border("0.1")
-    for i in range(5, len(border), 12):
+    for i in range(3, len(border), 6):
         FN, Omega = border.points[i]
         exact = min(border.at(Omega=Omega), key=lambda value: abs(value - FN))
         assert abs(FN - exact) <= border.errors[i].sum() + 2 * np.spacing(FN)
@@ -269,7 +270,7 @@ def test_errors_are_estimates_of_the_errors() -> None:
 def test_an_end_of_the_word_with_more_pieces_is_the_same_border() -> None:
     p = COULOMB.replace(FN="0.9")
     branch = continue_orbit(p, "P3121", "FN", (0.5, "0.95"))
-    border = continue_border(branch, 0, "Omega", PLANE, step="0.05")
+    border = continue_border(branch, 0, "Omega", PLANE, step="0.1")
     assert border.words == ("P3121", "P32")
     assert border.kind == branch.ends[0].kind == "vanishing of a stick"
     assert border.sliding == "crossing-sliding"
@@ -339,7 +340,7 @@ def test_borders_beyond_which_the_motion_has_no_word(
     )
     branch = continue_orbit(p, word, over[0], over[1:])
     ranges = {second[0]: second[1:], over[0]: sorted((p.B0 / 5, p.B0 * 5))}
-    border = continue_border(branch, end, second[0], ranges, step="0.05")
+    border = continue_border(branch, end, second[0], ranges, step="0.1")
     assert border.words == (cycle(word), beyond)
     assert border.kind == branch.ends[end].kind
     assert border.sliding == (
@@ -349,7 +350,7 @@ def test_borders_beyond_which_the_motion_has_no_word(
         belt = 1
     else:
         belt = 2
-    for i in range(2, len(border) - 2, 5):
+    for i in range(2, len(border) - 2, 3):
         at = p.replace(**dict(zip(border.parameters, border.points[i].tolist(), strict=True)))
         if beyond is None:
             assert abs(largest_speed(at) - abs(mpmath.mpf(float(at.belt(belt))))) < 1e-13 * abs(
@@ -363,15 +364,14 @@ def test_borders_beyond_which_the_motion_has_no_word(
         assert word_of_the_ode(inside, border.orbit(i)) == border.words[0]
         exact = border.at(**{border.parameters[1]: border.points[i, 1]})
         assert min(abs(np.array(exact) - border.points[i, 0])) < 1e-12
-        with pytest.raises(ConvergenceError, match=r"rest|settle"):
-            find_orbit(outside)
+        assert not find_orbit(outside).word
 
 
 @pytest.mark.slow
 def test_where_a_belt_stands_still_two_words_meet_above_rest() -> None:
     p = COULOMB.replace(v1="0.1", FN="1.2")
     branch = continue_orbit(p, "P21", "v1", ("-0.2", "0.2"))
-    border = continue_border(branch, 0, "FN", {"v1": (-1, 1), "FN": ("0.5", 2)}, step="0.04")
+    border = continue_border(branch, 0, "FN", {"v1": (-1, 1), "FN": ("0.5", 2)}, step="0.08")
     assert border.words == ("P21", "P31")
     assert (border.points[:, 0] == 0).all()
     assert border.special[0].values == pytest.approx((0, 1), abs=1e-11)  # where rest begins

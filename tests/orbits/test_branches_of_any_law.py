@@ -57,6 +57,16 @@ def test_without_damping_the_branch_follows_the_closed_form() -> None:
     assert (t, x) == pytest.approx((0, 2), abs=1e-11)
 
 
+def test_a_branch_reaches_the_least_static_friction_that_there_is() -> None:
+    """Without damping the stick has vanished there, and a turn of the free motion is left."""
+    branch = continue_orbit(STICK_SLIP, "S1 B1", "mu_s1", ("0.5", "1.1"))
+    end = branch.ends[0]
+    assert (end.kind, end.value) == ("end of the range", 0.5)
+    assert "there is no such friction law" in end.message
+    assert branch.spans[0] == pytest.approx(2 * pi, abs=1e-6)
+    assert "law" not in branch.ends[1].message
+
+
 def slip_that_touches(c: float) -> float:
     """Return the belt speed at which a slip under c touches the belt, from the closed form."""
     h = c / 2
@@ -77,6 +87,60 @@ def slip_that_touches(c: float) -> float:
         return max(state(V, t)[1] for t in times[20_000:]) - V if y else 0.0
 
     return float(brentq(late, 0.2, 0.9, xtol=1e-9))
+
+
+def slip_beyond_the_belt(V: float, points: Any) -> float:
+    """Return by how much a slip under falling friction turns beyond the belt, if it goes on there as
+    just below it; by closed forms, and roots of scipy between short steps.
+    """
+    ws, mus = np.array(points, dtype=float).T
+    x, v, band, late = mus[0] - 0.1 * V, V, 0, 0.0
+    while True:
+        slope = (mus[band + 1] - mus[band]) / (ws[band + 1] - ws[band])
+        middle = mus[band] + slope * (V - ws[band])
+        h = (0.1 + slope) / 2
+        w = sqrt(1 - h * h)
+
+        def state(t: float, x: float, v: float, middle: float, h: float, w: float) -> Any:
+            e, y = exp(-h * t), x - middle
+            there = middle + e * (y * cos(w * t) + (v + h * y) / w * sin(w * t))
+            return there, e * (v * cos(w * t) - (h * v + y) / w * sin(w * t))
+
+        def force(t: float, *band: float) -> Any:
+            x, v = state(t, *band)
+            return band[2] - x - 2 * band[3] * v
+
+        here = x, v, middle, h, w
+        if band == 0 and late > 3:
+            return float(state(brentq(force, 0, 1, args=here, xtol=1e-15), *here)[1]) - V
+        lower, upper = V - ws[band + 1], V - ws[band]
+        t = 1e-3
+        while lower < state(t, *here)[1] < upper:
+            t += 1e-2
+        edge = lower if state(t, *here)[1] <= lower else upper
+        off = lambda t, *band: state(t, *band)[1] - edge  # noqa: B023, E731
+        t = brentq(off, max(t - 1e-2, 1e-7), t, args=here, xtol=1e-15)
+        x, v = state(t, *here)[0], edge
+        late += t
+        band += 1 if edge == lower else -1
+
+
+@pytest.mark.parametrize("pieces", [16, pytest.param(64, marks=pytest.mark.slow)])
+def test_the_cycle_under_falling_friction_ends_in_a_graze(pieces: int) -> None:
+    """Its slip touches the belt just as its stick vanishes: mu_s is mu at w = 0."""
+    belt = Belt.from_function("1.83", lambda w: 0.5 + 0.5 * exp(-2 * w), until=4, pieces=pieces)
+    law = Oscillator(m=1, c="1/10", k=1, belts=[belt])
+    cycle = find_orbit(law, v0="1.83")
+    branch = continue_orbit(law, None, "v1", ("1.825", "1.85"), cycle)
+    end = branch.ends[1]
+    assert (end.kind, end.beyond) == ("grazing", None)
+    assert "a rest at" in end.message
+
+    def late(V: float) -> float:
+        return slip_beyond_the_belt(V, belt.curve)
+
+    touches = brentq(late, end.value - 1e-5, end.value + 1e-5, xtol=1e-13)
+    assert end.value == pytest.approx(touches, abs=1e-12)
 
 
 @pytest.mark.campaign
@@ -109,6 +173,22 @@ def test_a_cycle_shrinks_to_a_rest_at_a_corner() -> None:
     assert not branch.stable.any()
     assert plot.branch_figure(branch).axes
     assert branch._repr_html_()
+
+
+def test_a_cycle_ends_in_circles_where_the_damping_of_its_band_vanishes() -> None:
+    """The band ends at the speed 0.11; every smaller circle in it is a cycle for the same c."""
+    belt = Belt("-0.74", curve=[(0, "0.73"), ("0.85", "0.59")], slope="0.04", mu_s="0.93")
+    law = Oscillator(m="1.16", c="0.16", k="1.33", A0=-1, belts=[belt])
+    cycle = find_orbit(law, x0="-1.77", v0="-1.97")
+    branch = continue_orbit(law, None, "c", ("0.15", "0.2"), cycle)
+    assert [end.kind for end in branch.ends] == ["end of the range", "onset at a corner"]
+    assert branch.ends[1].value == pytest.approx(0.14 / 0.85, abs=1e-13)
+    assert "so does every smaller one" in branch.ends[1].message
+    assert not branch.special
+    assert branch.stable[:-2].all()
+    radius = 0.11 / (1.33 / 1.16) ** 0.5
+    low, high = branch.extents[-1]
+    assert 0.8 * radius < (high - low) / 2 <= radius
 
 
 @pytest.mark.slow

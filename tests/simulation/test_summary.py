@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from regimes import hundredths, regime_of_seed
 from slow_summary import oracle_extremes, slow_summary
 
 from symosc import Parameters, load_scene, simulate, simulate_many
@@ -22,41 +23,11 @@ FIG9 = load_scene("fig9").parameters
 def scene(seed: int) -> tuple[Parameters, tuple[Any, ...], Fraction]:
     """Return parameters of all regimes of damping, a start that may be on a belt, and an end."""
     dice = random.Random(seed)
-
-    def number(low: float, high: float) -> Fraction:
-        return Fraction(dice.randint(int(low * 100), int(high * 100)), 100)
-
-    m = number(0.2, 2)
-    k = number(0.5, 6)
-    Om = number(0.5, 4)
-    low = number(-2, 1)
-    c = dice.choice((Fraction(0), number(0, 1), 2 * m * Om, number(3, 9)))
-    # critical damping; no spring
-    if c == 2 * m * Om:
-        k = m * Om * Om
-    elif seed % 11 == 3:
-        k = Fraction(0)
-    if seed % 7 == 5:
-        B0 = Fraction(0)
-    else:
-        B0 = number(1, 9)
-    mu1 = number(0, 1)
-    mu2 = number(0, 1)
-    p = Parameters(
-        m=m,
-        c=c,
-        k=k,
-        A0=number(-2, 2),
-        B0=B0,
-        Omega=Om,
-        v1=low,
-        v2=low + number(0.5, 3),
-        mu1=mu1,
-        mu2=mu2,
-        FN=2,
-    )
-    t0 = dice.choice((Fraction(0), number(-3, 3)))
-    return p, (t0, number(-3, 3), dice.choice((p.v1, p.v2, number(-4, 4)))), t0 + number(10, 40)
+    p = regime_of_seed(dice, seed)
+    t0 = dice.choice((Fraction(0), hundredths(dice, -3, 3)))
+    x0 = hundredths(dice, -3, 3)
+    v0 = dice.choice((p.v1, p.v2, hundredths(dice, -4, 4)))
+    return p, (t0, x0, v0), t0 + hundredths(dice, 10, 40)
 
 
 def compare(computed: dict[str, Any], expected: dict[str, Any], where: object) -> None:

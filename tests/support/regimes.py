@@ -53,3 +53,37 @@ def random_sets(seed: int, count: int) -> list[Parameters]:
         )
 
     return [one() for _ in range(count)]
+
+
+def hundredths(dice: random.Random, low: float, high: float) -> Fraction:
+    """Return a whole number of hundredths between two bounds."""
+    return Fraction(dice.randint(int(low * 100), int(high * 100)), 100)
+
+
+def regime_of_seed(dice: random.Random, seed: int) -> Parameters:
+    """Return a set whose numbers are hundredths.
+
+    One in four is at critical damping, every eleventh seed has no spring unless it is, and every
+    seventh has no drive.
+    """
+    m = hundredths(dice, 0.2, 2)
+    k = hundredths(dice, 0.5, 6)
+    Omega = hundredths(dice, 0.5, 4)
+    low = hundredths(dice, -2, 1)
+    critical = 2 * m * Omega
+    c = dice.choice((Fraction(0), hundredths(dice, 0, 1), critical, hundredths(dice, 3, 9)))
+    if c == critical:
+        k = m * Omega * Omega
+    elif seed % 11 == 3:
+        k = Fraction(0)
+    if seed % 7 == 5:
+        B0 = Fraction(0)
+    else:
+        B0 = hundredths(dice, 1, 9)
+    mu1 = hundredths(dice, 0, 1)
+    mu2 = hundredths(dice, 0, 1)
+    A0 = hundredths(dice, -2, 2)
+    v2 = low + hundredths(dice, 0.5, 3)
+    return Parameters(
+        m=m, c=c, k=k, A0=A0, B0=B0, Omega=Omega, v1=low, v2=v2, mu1=mu1, mu2=mu2, FN=2
+    )

@@ -32,6 +32,13 @@ def told(check: CrossCheck) -> str:
     )
 
 
+def off_by(right: Solved, t: np.ndarray, states: np.ndarray) -> float:
+    """Return by how many times a thousand tolerances states differ from a right solution."""
+    exact = right(t)
+    limits = 1000.0 * TOLERANCE * np.max(np.abs(exact), axis=1)
+    return float(np.max(np.abs(states - exact) / limits[:, None]))
+
+
 def even(t_end: float, rng: Rng, least: int = 60, most: int = 800) -> np.ndarray:
     return np.linspace(0.0, t_end, int(rng.integers(least, most)))
 

@@ -186,7 +186,9 @@ def _check_names(
     else:
         model = scene
     known = [*_all_names(model), *STARTS]
-    for argument, given_names in (("free", names or ("",)), ("start", first)):
+    if not names:
+        raise ParameterError("free", names, f"must be one or more of {', '.join(known)}")
+    for argument, given_names in (("free", names), ("start", first)):
         for name in given_names:
             if name not in known:
                 allowed = f"must be one of {', '.join(known)}{meant(str(name), known)}"
@@ -351,8 +353,14 @@ def _sigma(sigma: Any) -> np.ndarray:
         pair = sigma
     else:
         pair = [sigma] * 2
-    deviations = [float(read_exact("sigma", number)) for number in pair]
+    try:
+        deviations = [float(read_exact("sigma", number)) for number in pair]
+    except ParameterError:
+        deviations = []
     if len(deviations) != 2 or min(deviations) <= 0:
-        allowed = "must be a number > 0, or two such numbers, for x and for v"
+        allowed = (
+            "must be the standard deviation of the data, a number > 0 such as 0.01, or two such "
+            "numbers, for x and for v"
+        )
         raise ParameterError("sigma", sigma, allowed)
     return np.array(deviations)

@@ -48,13 +48,18 @@ def times_for(function: Callable[..., Any], problem: Problem) -> np.ndarray:
             "needs times: give crosscheck(parameters, t, function), or a scene, "
             "which says from when to when"
         )
-        name = getattr(function, "__name__", type(function).__name__)
-        raise ParameterError("function", name, what)
+        raise ParameterError("function", _name_of(function), what)
     times = even_times(float(ends[0]), float(ends[1]), model_of(problem))
     nodes = getattr(function, "ts", None)
     if nodes is None:
         return times
     return np.unique([*times, *np.asarray(nodes, dtype=float)])
+
+
+def _name_of(function: Callable[..., Any]) -> str:
+    """Return what messages call a function: its name, or that of its class."""
+    name: str = getattr(function, "__name__", type(function).__name__)
+    return name
 
 
 def values_at(function: Callable[..., Any], times: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -74,12 +79,13 @@ def values_at(function: Callable[..., Any], times: Any) -> tuple[np.ndarray, np.
             raise
         except Exception as error:  # it is somebody's; the traceback goes on to its own line
             what = brief(f"{type(error).__name__}: {error}".partition("\n")[0])
-            name = getattr(function, "__name__", "?")
+            name = _name_of(function)
             raise ParameterError("function", name, f"fails at t = {time:g}: {what}") from error
         rows.append(np.ravel(unmasked("function", value)))
-    if any(len(row) != 2 for row in rows):
-        what = "must return two numbers, x and v; it returned so many"
-        raise ParameterError("function", len(rows[0]), what)
+    for time, row in zip(times.tolist(), rows, strict=True):
+        if len(row) != 2:
+            what = f"must return two numbers, x and v; at t = {time:g} it returns {len(row)}"
+            raise ParameterError("function", _name_of(function), what)
     return times, np.array(rows).T
 
 

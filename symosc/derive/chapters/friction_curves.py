@@ -341,13 +341,13 @@ def _corner_checks() -> Iterator[Check]:
 def _recursion(order: int) -> Check:
     """Return the check of the recursion of G-functions at one order."""
     in_band = {c: DAMPING, solution.A: FORCE}
-    orders = [v_lambda, *(expr.subs(in_band) for expr in along_flow(order))]
-    last, before, latest = orders[order], orders[order - 1], orders[order + 1]
+    # v, and the G-functions of the orders 0, 1, ...
+    functions = [v_lambda, *(expr.subs(in_band) for expr in along_flow(order))]
     return exact(
         {
-            G("n", HERE): latest,
-            G("n-1", HERE): last,
-            G("n-2", HERE): before,
+            G("n", HERE): functions[order + 1],
+            G("n-1", HERE): functions[order],
+            G("n-2", HERE): functions[order - 1],
             named("n"): order,
             theta: theta_i,
         }

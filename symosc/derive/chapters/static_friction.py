@@ -437,7 +437,7 @@ def balance_of_example() -> Any:
 def _return_by_newton() -> Any:
     """Return when the motion that leaves has the velocity 0 again."""
     time = CONTEXT.mpf(2)
-    for _ in range(8):
+    for _ in range(8):  # v vanishes where tan t = -t
         time -= (CONTEXT.tan(time) + time) / (2 + CONTEXT.tan(time) ** 2)
     return time
 

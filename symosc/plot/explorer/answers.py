@@ -22,7 +22,7 @@ import numpy as np
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, SymoscError
 from symosc.base.exact import read_start_error, show
-from symosc.base.quantities import FORMS, QUANTITIES, read_number, unit_of
+from symosc.base.quantities import A_NUMBER, QUANTITIES, read_number, unit_of
 from symosc.grazing.window import GrazingWindow, grazing_window
 from symosc.kernels.theorem7_cases import PLACES
 from symosc.model import (
@@ -47,7 +47,7 @@ MOST_SHOWN_PERIODS = 100
 PERIODS_DIGITS = 12
 STARTS = ("t0", "x0", "v0")
 #: How the page says what is wrong with a text that is no number.
-IN_SHORT = {FORMS: "is not a number; 0.8, 4/5, 8e-1 and 2*pi are"}
+NO_NUMBER = "is not a number; 0.8, 4/5, 8e-1 and 2*pi are"
 CHANGED = ", changed"
 #: What may be left out: static friction, which is then the kinetic friction of this name.
 KINETIC = {"mu_s1": "mu1", "mu_s2": "mu2"}
@@ -206,7 +206,10 @@ def scene_of(state: dict[str, str]) -> tuple[Scene | None, dict[str, str]]:
         try:
             numbers[name], _ = read_number(name, state[name])
         except ParameterError as error:
-            errors[name] = IN_SHORT.get(error.allowed, error.allowed)
+            if error.allowed.startswith(A_NUMBER):
+                errors[name] = NO_NUMBER
+            else:
+                errors[name] = error.allowed
             numbers[name] = getattr(sound.parameters, name, Fraction(1))
     if not 0 < numbers["periods"] <= MOST_SHOWN_PERIODS:
         errors["periods"] = f"must be more than 0 and at most {MOST_SHOWN_PERIODS}"
