@@ -245,14 +245,10 @@ def test_a_scene_file_names_a_model(tmp_path: Path) -> None:
 
 def test_what_does_not_turn_back_says_so() -> None:
     scene = read_scene(FILE, "wall.toml")
-    for refused in (
-        lambda: symosc.sweep(scene, {"Omega": [1, 2]}),
-        lambda: symosc.crosscheck(scene, lambda t: (t, t)),
+    with pytest.raises(
+        ParameterError, match=r"must not be a scene of another model.*scene\.reduced"
     ):
-        with pytest.raises(
-            ParameterError, match=r"must not be a scene of another model.*scene\.reduced"
-        ):
-            refused()
+        symosc.sweep(scene, {"Omega": [1, 2]})
     with pytest.raises(ParameterError, match=r"Yphase.*did you mean Y_phase"):
         drawn("all", 1).replace(Yphase=1)
     for given in ({"x0": 1}, {"t_end": -1}):

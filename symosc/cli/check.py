@@ -109,6 +109,8 @@ def check(
     problem = options.scene_with(_named(scene, case), settings, t_end=t_end)
     limits = {name: value for name, value in check_options.items() if value is not None}
     limits["columns"] = options.split_columns(limits.get("columns"), ("t", "x", "v", "id"))
+    if solver is not None:  # it gets the numbers of the oscillator
+        problem = options.reduced_scene(problem, any_law=True)
     source = _solutions(files, solver, problem)
     result = symosc.crosscheck(problem, source, progress=True, **limits)
     for path, hint in ((picture, "--output"), (report, "--report")):

@@ -31,13 +31,15 @@ from symosc.base.arguments import (
 from symosc.base.errors import ParameterError
 from symosc.base.exact import read_exact
 from symosc.crosschecks.events import FoundEvent, Match
+from symosc.crosschecks.frames import in_oscillator, own_frame, reduced_problem
 from symosc.crosschecks.reading.objects import of_function
 from symosc.crosschecks.reading.solutions import read_solutions
 from symosc.crosschecks.report import CrossCheck, CrossChecks, check_all, shown
 from symosc.crosschecks.samples import Samples, checked, checked_events
 from symosc.crosschecks.verdict import CheckTask, judge
 from symosc.model import Model, Oscillator
-from symosc.scenes import Scene, model_of, not_reduced_error, scene_of
+from symosc.reductions import OtherModel
+from symosc.scenes import Scene, model_of, problem_of, scene_of
 from symosc.simulation.batch import read_workers
 
 __all__ = ["CrossCheck", "CrossChecks", "FoundEvent", "Match", "crosscheck"]
@@ -47,7 +49,7 @@ STEP_TOLERANCE = 1e-8
 
 @public
 def crosscheck(
-    scene: Scene | Model | SceneName,
+    scene: Scene | Model | OtherModel | SceneName,
     t: SolutionLike,
     x: ArrayLike | Callable[..., Any] | None = None,
     v: ArrayLike | None = None,
@@ -65,10 +67,12 @@ def crosscheck(
 
     Parameters
     ----------
-    scene : Scene, str, Parameters or Oscillator
+    scene : Scene, str, Parameters, Oscillator or OtherModel
         With a scene the solution has to start where the scene does, or on its motion later, and to
-        go on to its `t_end`. With Parameters, or an Oscillator, it starts at the first sample and
-        may end anywhere.
+        go on to its `t_end`. With Parameters, or a model, it starts at the first sample and may end
+        anywhere. A solution of another model, or of its scene, is given in that model's coordinates;
+        the answer shows those of the oscillator that it is, with the same errors, and a note says
+        how they differ.
     t, x, v : array_like, shape (n,)
         Times, which may come twice where two pieces are joined, positions and velocities. Without
         `v` it is computed from `x`, and a note says so. `x` may be a function t -> (x, v), or a
@@ -135,7 +139,9 @@ def crosscheck(
     >>> crosscheck("fig5", simulate("fig5")).ok
     True
     """
-    scene = scene_of(scene, "scene", any_law=True)
+    problem = problem_of(scene, "scene", any_law=True)
+    own, t0 = own_frame(problem)
+    scene = reduced_problem(problem)
     model = model_of(scene)
     is_plain = model.law.is_plain and len(model.law.belts) != 1
     if isinstance(model, Oscillator) and is_plain and model.contracts:
@@ -150,8 +156,6 @@ def crosscheck(
     require_or_none(mapping_of(TEXT, NONE), columns=columns)
     require_or_none(WHOLE, workers=workers)
     require_or_none(*PROGRESS, progress=progress)
-    if isinstance(scene, Scene) and scene.original is not None:
-        raise not_reduced_error(scene)
     limit = None
     if global_tolerance is not None:
         limit = _positive("global_tolerance", global_tolerance)
@@ -163,7 +167,9 @@ def crosscheck(
         own_start=own_start,
         partial=partial,
     )
-    solutions = _solutions(scene, t, x, v, events, columns)
+    solutions = _solutions(problem, t, x, v, events, columns)
+    if own is not None:
+        solutions = [in_oscillator(solution, own, t0) for solution in solutions]
     count = read_workers(workers)
     if len(solutions) == 1:
         return shown(judge(task(solutions[0])))
@@ -171,7 +177,7 @@ def crosscheck(
 
 
 def _solutions(
-    scene: Scene | Model,
+    problem: Scene | Model | OtherModel,
     t: SolutionLike,
     x: ArrayLike | Callable[..., Any] | None,
     v: ArrayLike | None,
@@ -180,11 +186,11 @@ def _solutions(
 ) -> list[Samples]:
     """Return the solutions that `crosscheck` is given."""
     if x is None and v is None:
-        solutions = read_solutions(t, columns, scene)
+        solutions = read_solutions(t, columns, problem)
     elif callable(x) and not hasattr(x, "__array__"):
-        solutions = read_solutions(of_function(x, scene, t))
+        solutions = read_solutions(of_function(x, problem, t))
     elif v is None and len(getattr(x, "shape", ())) == 2:  # states, as ode45 returns them
-        solutions = read_solutions({"t": t, "x": x}, None, scene)
+        solutions = read_solutions({"t": t, "x": x}, None, problem)
     else:
         return [checked(t, x, v, events)]
     if events is None:

@@ -42,6 +42,8 @@ def find_rounding(
     Evenly spaced times, such as multiples of 0.05, count as rounded only if the first one is the
     scene's time `start`, rounded.
     """
+    if samples.rounding is not None:
+        return {name: _for(samples, name, digits) for name, digits in samples.rounding.items()}
     # Times are taken as rounded only if x or v are.
     x = find_digits(samples.x, samples.x[:1])
     v = find_digits(samples.v, [*speeds, samples.v[0]])
@@ -66,6 +68,28 @@ def find_rounding(
         for name, digits in zip(("t", "x", "v", "events"), (t, x, v, events), strict=True)
         if digits
     }
+
+
+def digits_of(samples: Samples, name: str) -> Digits | None:
+    """Return the rounding of the column "t" or "x" of samples by itself; None if it has none."""
+    if samples.rounding is not None:
+        digits = samples.rounding.get(name)
+        return digits and _for(samples, name, digits)
+    values = getattr(samples, name)
+    return find_digits(values, values[:1])
+
+
+def _for(samples: Samples, name: str, digits: Digits) -> Digits:
+    """Return a rounding that is known for the numbers in a column, of which some may have been left
+    out since: then the largest unit is that of all.
+    """
+    if name == "events":
+        count = len(samples.events or ())
+    else:
+        count = len(samples.t)
+    if len(digits.units) == count:
+        return digits
+    return digits._replace(units=np.full(count, np.max(digits.units)))
 
 
 def _are_even(t: np.ndarray, digits: Digits) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from math import isfinite
 from typing import Any
@@ -33,6 +33,7 @@ class Samples:
     notes: tuple[str, ...] = ()  # how it was read
     v_off: np.ndarray | None = None  # bounds of the errors of a computed v
     dense: Callable[[np.ndarray], Any] | None = None  # the solver's own function t -> (x, v)
+    rounding: Mapping[str, Any] | None = None  # of the columns, if their numbers do not show it
 
     @property
     def lacks_v(self) -> bool:

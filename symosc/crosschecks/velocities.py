@@ -22,7 +22,7 @@ import numpy as np
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
 from symosc.crosschecks.bands import Bands, bands_of
-from symosc.crosschecks.rounding import find_digits
+from symosc.crosschecks.rounding import digits_of
 from symosc.crosschecks.samples import Samples, fastest_rate
 from symosc.crosschecks.steps import follow_from, phases
 from symosc.engine.flow import Constants
@@ -77,7 +77,7 @@ def with_velocities(samples: Samples, scene: Scene | Model, tolerance: float) ->
     """
     p = model_of(scene)
     bands = bands_of(p)
-    digits = find_digits(samples.x, samples.x[:1])
+    digits = digits_of(samples, "x")
     rounded = np.zeros(len(samples.x)) if digits is None else digits.units
     telling = _telling_samples(p, samples.t)
     if digits is not None:  # rounded positions: one motion through all of them is better
@@ -234,7 +234,7 @@ def _fit_motion(
     t = samples.t
     x = samples.x
     p = model_of(scene)
-    digits = find_digits(t, t[:1])
+    digits = digits_of(samples, "t")
     if digits is None:
         clock = np.zeros(len(t))
     else:

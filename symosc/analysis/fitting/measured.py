@@ -13,8 +13,8 @@ import numpy as np
 from symosc.base.errors import ParameterError, shown
 from symosc.base.exact import read_exact, unmasked
 from symosc.base.files import STDOUT
+from symosc.crosschecks.frames import Problem
 from symosc.crosschecks.reading.files import read_file
-from symosc.crosschecks.reading.functions import Problem
 from symosc.crosschecks.reading.names import ID_COLUMN, KIND_COLUMN, Asked, read_column_names
 from symosc.crosschecks.reading.objects import table_in
 from symosc.crosschecks.reading.solutions import samples_of

@@ -11,13 +11,12 @@ import numpy as np
 
 from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import unmasked
+from symosc.crosschecks.frames import Problem
 from symosc.crosschecks.samples import checked, fastest_rate
 from symosc.model import Model
 from symosc.scenes import Scene, model_of
 from symosc.simulation.trajectory import Trajectory
 
-#: The problem that a function or a solver solves; None if it is not known.
-Problem = Scene | Model | None
 #: Times at which a function is asked: at least, at most, and in the shorter one of the periods of
 #: the drive and the free motion.
 LEAST_TIMES = 1_000
@@ -42,7 +41,8 @@ def times_for(function: Callable[..., Any], problem: Problem) -> np.ndarray:
     """
     ends: list[Any] = [getattr(function, name, None) for name in ("t_min", "t_max")]
     if None in ends and isinstance(problem, Scene):
-        ends = [problem.t0, problem.t_end]
+        own = problem.original or problem
+        ends = [own.t0, own.t_end]
     if None in ends or problem is None:
         what = (
             "needs times: give crosscheck(parameters, t, function), or a scene, "

@@ -15,7 +15,8 @@ import numpy as np
 
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError, optional
-from symosc.crosschecks.reading.functions import Problem, even_times, times_for, values_at
+from symosc.crosschecks.frames import Problem
+from symosc.crosschecks.reading.functions import even_times, times_for, values_at
 from symosc.crosschecks.reading.names import (
     EVENTS,
     ID_COLUMN,

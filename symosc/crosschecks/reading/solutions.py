@@ -13,8 +13,8 @@ import numpy as np
 from symosc.base.aliases import Record
 from symosc.base.errors import ParameterError
 from symosc.base.files import STDOUT
+from symosc.crosschecks.frames import Problem
 from symosc.crosschecks.reading.files import read_file
-from symosc.crosschecks.reading.functions import Problem
 from symosc.crosschecks.reading.names import EVENTS, ID_COLUMN, Asked, read_column_names
 from symosc.crosschecks.reading.objects import table_in
 from symosc.crosschecks.reading.solver_events import solver_events

@@ -11,10 +11,10 @@ import numpy as np
 
 from symosc.base.errors import ParameterError, brief
 from symosc.base.exact import unmasked
-from symosc.crosschecks.reading.functions import Problem
+from symosc.crosschecks.frames import Problem, has_moving_frame
 from symosc.crosschecks.samples import Samples, fastest_rate
 from symosc.model import Model
-from symosc.scenes import parameters_of
+from symosc.scenes import model_of
 
 # Two functions that vanish together, such as an event that ends a piece, find one event: their
 # times differ by less than this part of the shortest period.
@@ -46,7 +46,12 @@ def solver_events(columns: Mapping[str, Any], problem: Problem, samples: Samples
         lists, states = _lists_of_matlab(columns)
     if lists is None or problem is None:
         return SolverEvents()
-    p = parameters_of(problem)
+    if has_moving_frame(problem):
+        note = (
+            "the solver's t_events are left out: the speeds of the belts change in its coordinates"
+        )
+        return SolverEvents(notes=(note,))
+    p = model_of(problem)
     kept: list[tuple[float, ...]] = []
     beside = 0
     for i, values in enumerate(lists if np.iterable(lists) else [nan]):
