@@ -467,7 +467,7 @@ def steady_orbit(problem, data, source):
     require(abs(apart), "that the orbit is the only one in its band")
     check_multipliers(data, D)
     kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[data["stable"]]
-    first = f"{kind} of 1 forcing period, which meets no edge, the only one in its band"
+    first = f"{kind} of 1 forcing period, which meets no edge, the only such one in its band"
     return [first, base.about(source["parameters"]), *multiplier_lines(source)]
 
 

@@ -87,7 +87,7 @@ def test_a_steady_motion_that_meets_no_edge_is_proven() -> None:
     proof = certify(orbit)
     assert (proof.proven, proof.stable, proof.events) == (True, True, ())
     assert proof.message == (
-        "a stable orbit of 1 forcing period, which meets no edge, the only one in its band"
+        "a stable orbit of 1 forcing period, which meets no edge, the only such one in its band"
     )
     for value, (re, im) in zip(orbit.multipliers, proof.multipliers, strict=True):
         for part, (low, high) in ((value.real, re), (value.imag, im)):

@@ -214,7 +214,10 @@ def _laws() -> Items:
         r"stays open. A cycle without a drive is a fixed point of the map $P$ of $x$ alone, from an "
         r"arrival at a belt to the next one of its kind: no time is another. "
         r"Theorem~\ref{thm:certificates-newton} in one dimension proves it; its multipliers are 1 "
-        r"and $P'$. No theorem asks that the motions contract: unstable orbits are proven alike.",
+        r"and $P'$. No theorem asks that the motions contract: unstable orbits are proven alike. An "
+        r"orbit that meets no edge is the steady motion of the band around $\dot{x} = 0$. Its "
+        r"largest speed is the amplitude $V_0$ of Chapter~\ref{sec:events}, and its multipliers are "
+        r"those of the band.",
     )
 
 
