@@ -51,12 +51,16 @@ MOST_FAILED = 12
 #: Steps of Newton's method, and the step of its difference quotients as a part of the extent.
 NEWTON_STEPS = 4
 DIFFERENCE = 1e-6
-#: How near to a rest a motion must be that creeps towards it, as a part of the extent, and by what
-#: factor Newton's method must come nearer: by 1/2 in each step.
+#: How near to the rests a motion must be that creeps towards them, as a part of the extent, and how
+#: near to their edge its limit is estimated, as a part of its own distance, from so many points.
 BESIDE_REST = 1e-2
-NEWTON_GAIN = 0.6
-#: Section points of a motion that are compared with others.
+AT_EDGE = 0.05
+LEAST_CREEPING = 16
+#: Section points of a motion in which long orbits are looked for, and those that are compared with
+#: others. So many numbers of others are computed at once.
+LONG = 4096
 CLOUD = 512
+AT_ONCE = 4_000_000
 #: How near a neighbour is that moves away in chaos, and after how many forcing periods by more than
 #: it does where distances grow in proportion to time.
 CLOSE = 1e-8
@@ -146,7 +150,7 @@ class DrivenMotions:
             rests = (followed.status == "equilibrium") | self._held(points[:, -1])
             if rests.any():
                 numbers[waiting[rests]] = self._number_of_rest()
-            going = (followed.status == "t_end") & np.isfinite(points).all(axis=(1, 2))
+            going = (followed.status == "t_end") & np.isfinite(points).all(axis=(1, 2)) & ~rests
             waiting = waiting[going]
             points = points[going]
             recurring = self._recurring(points, followed.word[going])
@@ -181,10 +185,10 @@ class DrivenMotions:
         """Return for motions, from their section points and last words, the numbers of the
         attractors to which they lead; -1 where that is open.
         """
-        numbers = np.full(len(points), -1)
-        for n, attractor in enumerate(self.found):
-            if isinstance(attractor, Recurrent):
-                numbers[(numbers < 0) & self._near(points, attractor)] = n
+        numbers = self._known(points)
+        creeping = self._creep(points)
+        if creeping.any():
+            numbers[creeping] = self._number_of_rest()
         repeats = repeats_of(points, self.unit)
         candidates = np.flatnonzero((numbers < 0) & (repeats > 0))
         failed = 0
@@ -193,14 +197,6 @@ class DrivenMotions:
             q = int(repeats[i])
             candidates = candidates[1:]
             candidate = self._attractor(points[i, -q:], str(words[i]))
-            if candidate is None and self._creeps(points[i]):
-                numbers[i] = self._number_of_rest()
-                # What is between this motion and the rest creeps as it does.
-                away = self._from_rest(points[candidates])
-                between = (away[:, -1] < self._from_rest(points[i, -1])) & self._nearer(away)
-                numbers[candidates[between]] = numbers[i]
-                candidates = candidates[~between]
-                continue
             if candidate is None:
                 failed += 1
                 # others beside it fail as it does
@@ -212,6 +208,14 @@ class DrivenMotions:
             near = self._near(points[candidates], candidate)
             numbers[candidates[near]] = n
             candidates = candidates[~near]
+        return numbers
+
+    def _known(self, points: np.ndarray) -> np.ndarray:
+        """Return for motions the numbers of the orbits beside which they are, -1 for none."""
+        numbers = np.full(len(points), -1)
+        for n, attractor in enumerate(self.found):
+            if isinstance(attractor, Recurrent):
+                numbers[(numbers < 0) & self._near(points, attractor)] = n
         return numbers
 
     def _near(self, points: np.ndarray, attractor: Recurrent) -> np.ndarray:
@@ -253,32 +257,29 @@ class DrivenMotions:
             return None
         return Recurrent(orbit, radius, word if len(orbit) == 1 else "")
 
-    def _creeps(self, points: np.ndarray) -> bool:
-        """Return whether a motion slips a little in each period, ever less, towards a rest.
+    def _creep(self, points: np.ndarray) -> np.ndarray:
+        """Return which motions slip a little in each period, ever less, towards the edge of the rests.
 
-        At the edge of the rests the slips vanish, so that it comes nearer for ever but does not
-        arrive. That is judged by its section points, and by where Newton's method leads.
+        They come nearer for ever and do not arrive. At the distance d beyond the edge the force
+        exceeds friction by k d, for a time that grows as sqrt(d), so that a slip grows as d^2. So
+        the roots of the slips are a straight line over d, which is 0 at the limit of the motion.
+        This limit must be the edge, for the lines through both halves of the points.
         """
-        if self.rest is None:
-            return False
-        away = self._from_rest(points)
-        if not self._nearer(away[None])[0]:
-            return False
-        return bool(self._from_rest(self._polished(points[-1], 1)) < NEWTON_GAIN * away[-1])
-
-    def _nearer(self, away: np.ndarray) -> np.ndarray:
-        """Return which distances from the rest are small, and decrease."""
-        decrease = (np.diff(away, axis=1) <= 0).all(axis=1)
-        nearer: np.ndarray = decrease & (away[:, -1] < away[:, 0]) & (away[:, -1] < BESIDE_REST)
-        return nearer
-
-    def _from_rest(self, points: np.ndarray) -> np.ndarray:
-        """Return the distances of section points from the nearest rest."""
-        assert self.rest is not None
-        nearest = np.stack(
-            [np.clip(points[..., 0], self.rest.low, self.rest.high), 0 * points[..., 1]], axis=-1
-        )
-        return self.distances(points, nearest)
+        if self.rest is None or not self.rest.belt or points.shape[1] < LEAST_CREEPING:
+            return np.zeros(len(points), dtype=bool)
+        x = points[..., 0]
+        beyond = np.maximum(x - self.rest.high, self.rest.low - x) / self.unit[0]
+        slips = -np.diff(beyond, axis=1)
+        creeps = (beyond > 0).all(axis=1) & (slips > 0).all(axis=1) & (beyond[:, -1] < BESIDE_REST)
+        middle = slips.shape[1] // 2
+        for begin, end in ((0, middle), (middle, -1)):
+            near = beyond[creeps, :-1][:, end]
+            far = beyond[creeps, begin]
+            last = np.sqrt(slips[creeps, end])
+            rise = np.sqrt(slips[creeps, begin]) - last
+            limit = near - last * (far - near) / np.where(rise > 0, rise, np.nan)
+            creeps[creeps] = np.abs(limit) < AT_EDGE * beyond[creeps, -1]
+        return creeps
 
     def _polished(self, point: np.ndarray, q: int) -> np.ndarray:
         """Return the fixed point of the map over `q` periods near a section point, or the point."""
@@ -345,7 +346,7 @@ class DrivenMotions:
             if not len(waiting):
                 break
             i = int(waiting[0])
-            cloud = self.onward(points[i, -1:], CLOUD, CLOUD)[0]
+            cloud = self.onward(points[i, -1:], LONG, LONG)[0]
             waiting = waiting[1:]
             if not np.isfinite(cloud).all():
                 continue
@@ -354,6 +355,7 @@ class DrivenMotions:
                 numbers[i] = again[0]
                 waiting, numbers = self._settled(points, waiting, numbers)
                 continue
+            cloud = cloud[-CLOUD:]
             attractor = self._attractor_from(cloud)
             if attractor is None:
                 number = -1
@@ -371,9 +373,18 @@ class DrivenMotions:
         """Return the motions that go on waiting, and the numbers, now that another attractor is
         known.
         """
-        own = self._recurring(points[waiting], np.full(len(waiting), ""))
-        numbers[waiting] = own
-        return waiting[own < 0], numbers
+        periods = [known.periods for known in self.found if isinstance(known, Recurrent)]
+        longest = max(periods, default=0)
+        if 2 * longest <= points.shape[1]:
+            numbers[waiting] = self._recurring(points[waiting], np.full(len(waiting), ""))
+            return waiting[numbers[waiting] < 0], numbers
+        # An orbit of so many periods is not seen in these points: the motions are followed on.
+        count = max(1, AT_ONCE // (4 * longest))
+        for begin in range(0, len(waiting), count):
+            part = waiting[begin : begin + count]
+            last = points[part, -1]
+            numbers[part] = self._known(self.onward(last, 2 * longest, 2 * longest))
+        return waiting[numbers[waiting] < 0], numbers
 
     def _attractor_from(self, cloud: np.ndarray) -> Chaotic | QuasiPeriodic | None:
         """Return the chaos or the torus of a cloud of section points, None if it is not known to be

@@ -76,6 +76,17 @@ PAIR_EPS = Fraction(1, 2**100)
 # Digits from which constants and starts are rounded to pairs.
 ROUNDED_FROM = 50
 
+#: The compiled functions for doubles that Python calls.
+ENTRIES = (
+    "march_rows",
+    "follow_all",
+    "follow_lanes",
+    "settle",
+    "search_row",
+    "doubt_row",
+    "block",
+)
+
 # --- numbers in tuples ---
 
 
@@ -220,7 +231,7 @@ def compiled(width: int = 0) -> dict[str, Any]:
     replaced["load_constants"] = lanes_of(Constants, NESTED, flags)
     modules = *SOURCES, *IN_DOUBLES_ONLY
     functions = compile_modules(
-        modules, outlined_in(modules), callees, replaced, beside=(lane_types,)
+        modules, outlined_in(modules), callees, replaced, beside=(lane_types,), entries=ENTRIES
     )
     return functions | {"follow_all": functions["follow_lanes" if usual else "follow_all"]}
 
@@ -247,7 +258,8 @@ def compiled_tangents() -> dict[str, Any]:
     modules = mapping, tangent
     callees = dict(compiled())
     del callees["exp"]  # that of `mapping` is of complex numbers
-    return compile_modules(modules, outlined_in(modules), callees)
+    entries = ("tangents", "changes_at")
+    return compile_modules(modules, outlined_in(modules), callees, entries=entries)
 
 
 @lru_cache(maxsize=1)
@@ -257,7 +269,8 @@ def compiled_program() -> Callable[..., None]:
     Raise MissingExtraError without numba.
     """
     modules = double_double, pair_programs
-    run: Callable[..., None] = compile_modules(modules, outlined_in(modules))["run_program"]
+    functions = compile_modules(modules, outlined_in(modules), entries=("run_program",))
+    run: Callable[..., None] = functions["run_program"]
     return run
 
 
@@ -521,7 +534,9 @@ def compiled_pairs() -> PairLoops:
     replaced["from_complex"] = pairs.from_complex
     pairs.ROWS |= {kind._fields: kind for kind in (Constants, *NESTED.values())}
     beside = (pairs, double_double, summary)
-    functions = compile_modules(SOURCES, outlined, callees, replaced, pairs.Pair, beside)
+    functions = compile_modules(
+        SOURCES, outlined, callees, replaced, pairs.Pair, beside, PairLoops._fields
+    )
     return PairLoops(*(functions[name] for name in PairLoops._fields))
 
 

@@ -450,13 +450,21 @@ def begin(start, codes, count, letters, K, work):
             by_motion, by_drive = force_changes(
                 domain, boundary, start, codes[:count], letters, K, work
             )
-            # At a turn of the drive another t0 changes the force as cos(Omega t) bends.
-            turns = abs(by_drive) <= UNMOVED * abs(K.f0 * K.Om)
+            fixed = is_kept_in_time(by_motion, by_drive, start, K)
             for j in range(count):
-                later = codes[j] == T0 and not (turns and by_motion * start.c * K.f0 <= 0.0)
-                if work[SIZE, j] != 0.0 or later:
+                if work[SIZE, j] != 0.0 or (codes[j] == T0 and not fixed):
                     regular[j] = False
     return regular
+
+
+def is_kept_in_time(by_motion, by_drive, start, K):
+    """Return whether a force that is 0 at a start decides the same if the start is a little earlier
+    or later.
+
+    So it is at a turn of the drive only, where the force changes as cos(Omega t) bends.
+    """
+    turns = abs(by_drive) <= UNMOVED * abs(K.f0 * K.Om)
+    return turns and by_motion * start.c * K.f0 <= 0.0
 
 
 def grow(i, start, now, kind, turn, growth, count, columns, K, work):

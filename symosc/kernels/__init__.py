@@ -8,6 +8,7 @@ references it does not count. mapping evaluates the equations of maps; pairs are
 numbers for CPython and numba; double_double computes with pairs of doubles in plain Python,
 pair_columns with columns of them, pair_programs with recorded formulas, row by row in one compiled
 loop. linear solves small systems of equations with the same bits on
-every processor. rebind copies functions with other globals, compiling lets numba compile them, and
-code_cache keeps the result on disk. theorem7_cases has the windows of Theorem 7.
+every processor. rebind copies functions with other globals, compiling lets numba compile them,
+dispatchers says how they call each other, and code_cache keeps the result on disk. theorem7_cases
+has the windows of Theorem 7.
 """

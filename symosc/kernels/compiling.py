@@ -22,12 +22,14 @@ def compile_modules(
     replaced: dict[str, Any] | None = None,
     literal: Callable[[float], Any] | None = None,
     beside: Iterable[types.ModuleType] = (),
+    entries: Iterable[str] | None = None,
 ) -> dict[str, Any]:
     """Compile the functions of `modules` by numba, each at its first call; return them by name.
 
     The code is kept on disk. Functions that are not in `outlined` are inlined into their callers.
     `callees` are compiled functions to call instead of those of the same name. `replaced` and
-    `literal` are as in `bind`, and the code counts as old when a module in `beside` changes.
+    `literal` are as in `bind`, and the code counts as old when a module in `beside` changes. Python
+    can call the functions in `entries`; if that is None, all that are not inlined.
     """
     # If `outlined` is None, nothing is inlined. `callees` that no module sees are left out. The
     # modules `beside` are compiled too, such as operators of a type. Raise MissingExtraError
@@ -36,6 +38,7 @@ def compile_modules(
         import numba
 
         from symosc.kernels.code_cache import keep_on_disk
+        from symosc.kernels.dispatchers import for_compiled_code, without_literals
     except ImportError:
         raise MissingExtraError("compiling", "fast") from None
     modules = tuple(modules)
@@ -55,20 +58,27 @@ def compile_modules(
     values = seen | {name: repr(value) for name, value in replaced.items()}
     version = _version(modules, values, called, inlined, tuple(beside))
 
+    if entries is None:
+        internal = inlined
+    else:
+        internal = set(written) - set(entries)
+
     def wrap(function: Any) -> Any:
         # numba's disk cache sees changes in the function's own file only. The name of the entry
         # says the rest.
         function.__qualname__ = f"{function.__name__}-{version}"
-        # Inlined functions are called by compiled code only and need no wrappers for Python and C.
-        # Each function sets all three options: without them it would take forceinline from the
-        # function that calls it first.
-        inline = function.__name__ in inlined
+        # Wrappers for Python take tuples of a hundred numbers apart: where Python does not call, they
+        # would be a large part of the code. Nothing is called from C. Each function sets all three
+        # options: without them it would take forceinline from the function that calls it first.
         options: dict[str, Any] = {
-            "forceinline": inline,
-            "no_cpython_wrapper": inline,
-            "no_cfunc_wrapper": inline,
+            "forceinline": function.__name__ in inlined,
+            "no_cpython_wrapper": function.__name__ in internal,
+            "no_cfunc_wrapper": True,
         }
-        return keep_on_disk(numba.njit(error_model="numpy", nogil=True, **options)(function))
+        dispatcher = numba.njit(error_model="numpy", nogil=True, **options)(function)
+        if function.__name__ in internal:
+            for_compiled_code(dispatcher)
+        return keep_on_disk(without_literals(dispatcher))
 
     return bind(modules, called | replaced, wrap, literal)
 

@@ -583,11 +583,9 @@ class _Propagation:
                 continue
             self._put(np.array([now[1], 0 * now[1]], dtype=motion.kind), abs(now[1]))
             by_motion, by_drive = self._forces(belt, band, point)
-            # At a turn of the drive another t0 changes the force as cos(Omega t) bends.
-            turns = abs(by_drive) <= tangent.UNMOVED * abs(K.f0 * K.Om)
+            fixed = of["is_kept_in_time"](by_motion, by_drive, point, K)
             for j, name in enumerate(self.wrt):
-                later = name == "t0" and not (turns and by_motion * point.c * K.f0 <= 0.0)
-                if self.work[SIZE, j] != 0.0 or later:
+                if self.work[SIZE, j] != 0.0 or (name == "t0" and not fixed):
                     self.regular[j] = False
         return now
 

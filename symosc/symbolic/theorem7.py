@@ -112,8 +112,9 @@ def theorem7(
     amplitude: NumberLike = AMPLITUDE,
     order: Order = "full",
 ) -> Expr | Theorem7Cases:
-    """Return the phases at which a contact of `mapping` with its boundary grazes (Theorem 7, eqs.
-    (55) to (58)).
+    """Return the phases at which a contact of `mapping` with its boundary grazes, by Theorem 7.
+
+    They are given by equations (55) to (58) of the paper.
 
     Parameters
     ----------

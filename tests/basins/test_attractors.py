@@ -11,6 +11,7 @@ from stiction_solver import UnclearError, solved
 
 from symosc import Belt, Chaotic, Oscillator, ParameterError, Rest, attractors, simulate
 from symosc.basins.plane import PhasePlane
+from symosc.basins.recurrence import DrivenMotions
 
 rng_of = np.random.default_rng
 
@@ -189,6 +190,54 @@ def test_motions_that_creep_to_the_edge_of_the_rests_are_at_rest() -> None:
     found = attractors(law, [(0, 1, 0), (0, 2, 1), (0, 0, 0)], t_end="500T")
     assert found.names == ("rest on belt 1",)
     assert found.undecided == 0
+
+
+def test_creeping_ends_at_the_edge_of_the_rests_by_its_slips() -> None:
+    """Slips that grow as the square of the distance from another limit, or as another power, do not
+    lead there: 1/n from a limit beyond the edge, a geometric approach, and an orbit beside it.
+    """
+    law = Oscillator(m=1, c="0.1", k=1, B0="0.5", Omega=2, belts=[Belt(0, mu="0.6")])
+    motions = DrivenMotions(law, 100, 1)
+    n = np.arange(50, 178)
+    approaches = np.array([0.2 / n, 3e-3 + 0.2 / n, 0.01 * 0.99**n, 3e-3 + 0.01 * 0.99**n])
+    edge = 0.1  # (friction - B0)/k
+    for side in (1, -1):
+        x = side * (edge + approaches)
+        points = np.stack([x, 0 * x], axis=-1)
+        assert motions._creep(points).tolist() == [True, False, False, False]
+
+
+@pytest.mark.compiled("doubles")
+def test_a_mass_that_a_belt_holds_is_at_rest_under_falling_friction_too() -> None:
+    """There the event loop does not say that nothing will happen any more."""
+    law = Oscillator(
+        m=1, c="0.168", k="1.39", B0="0.663", Omega="0.946",
+        belts=[Belt(0, curve=[(0, "0.687"), ("0.379", "0.409"), ("1.56", "0.251")])],
+    )  # fmt: skip
+    found = attractors(law, [(0, 0.01, 0), (0, -0.002, 0), (0, 2, 1)])
+    assert found.names == ("rest on belt 1", "period 1")
+    assert found.basin.tolist() == [0, 0, 1]
+    assert found.orbits[0].high == pytest.approx((0.687 - 0.663) / 1.39)
+    edge = (0.687 - 0.663) / 1.39
+    assert solved(law, (0.0, 0.01, 0.0), 60.0).events == []
+    assert solved(law, (0.0, 1.1 * edge, 0.0), 60.0).events != []
+
+
+@pytest.mark.compiled("doubles")
+def test_orbits_of_hundreds_of_periods_are_found() -> None:
+    """And starts off the belts, where nothing damps the motion, lead to no attractor."""
+    belts = [Belt("1.17", mu="0.332", mu_s="0.773"), Belt("1.45", mu="0.252", mu_s="0.526")]
+    law = Oscillator(m=1, c=0, k="0.478", A0="-0.868", B0="0.45", Omega="2.27", belts=belts)
+    found = attractors(law, [(0, -0.9, -2.9), (0, -1.8, 0), (0, -0.5, -1.25)], t_end="300T")
+    assert found.names == ("period 365",)
+    assert found.basin.tolist() == [0, -1, 0]
+    (orbit,) = found.orbits
+    turn = 2 * pi / 2.27
+    x, v = orbit(0.0)
+    end = solved(law, (0.0, float(x), float(v)), 40 * turn)([40 * turn - 1e-9])[:, 0]
+    assert np.abs(orbit(40 * turn) - end).max() < 1e-6
+    ends = simulate(law, x0=x, v0=v, t_end="730T")(turn * np.array([365.0, 730.0]))
+    assert np.abs(ends - [[x], [v]]).max() < 1e-8
 
 
 @pytest.mark.compiled("doubles")

@@ -30,7 +30,7 @@ TOUCHES = {"S2": "a touch has none", "S6": "a touch or a near miss"}
 @pytest.mark.parametrize(
     "reference",
     [
-        pytest.param(each, id=each.name, marks=[pytest.mark.slow] if each.name == "S6" else [])
+        pytest.param(each, id=each.name, marks=[pytest.mark.campaign] if each.name == "S6" else [])
         for each in REFERENCES
     ],
 )

@@ -126,6 +126,34 @@ def unused(x): return x
     sys.modules.pop("several", None)
 
 
+COUNTING = """
+def added(total, n, twice): return total + (2 * n if twice else n)
+def outer(count):
+    total = 0
+    for n in range(count):
+        total = added(total, n, True)
+    return added(total, 1, False)
+"""
+
+
+def test_compiled_code_calls_one_version_for_all_numbers_that_are_written_down(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And Python cannot call what has no wrapper for it."""
+    import numba
+
+    (tmp_path / "counting.py").write_text(COUNTING)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    functions = compile_modules((importlib.import_module("counting"),), entries=("outer",))
+    sys.modules.pop("counting", None)
+    assert functions["outer"](3) == 7
+    (version,) = functions["added"].nopython_signatures
+    assert [str(kind) for kind in version.args] == ["int64", "int64", "bool"]
+    with pytest.raises(TypeError, match="added was compiled for compiled code only"):
+        functions["added"](1, 2, True)
+
+
 DAMAGES: dict[str, Callable[[bytes], bytes]] = {
     "cut": lambda content: content[: len(content) // 2],
     "flipped late": lambda content: content[:-40] + bytes([content[-40] ^ 16]) + content[-39:],

@@ -249,10 +249,10 @@ EXAMPLES = (
     ),
     BranchExample(
         "Fig.~10",
-        FIG10,
+        FIG10.replace(Omega="0.7"),
         "P4645",
         "Omega",
-        ("0.6", "1.75"),
+        ("0.6", "0.7"),
         end=0,
         belt=2,
         border=_adding,
