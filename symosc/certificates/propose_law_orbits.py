@@ -12,6 +12,8 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import NamedTuple
 
+import numpy as np
+
 from symosc.base.aliases import Number, Record
 from symosc.base.errors import ParameterError
 from symosc.certificates.certificate import Certificate, confirmed, law_entry, made_by
@@ -32,6 +34,7 @@ from symosc.certificates.propose_orbits import (
     proposed_multipliers,
     proposed_stability,
 )
+from symosc.engine.arithmetic import mp_context
 from symosc.engine.start import Start
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import find_orbit
@@ -44,6 +47,8 @@ from symosc.words import Word
 BEYOND = Fraction(1, 1000)
 CLOSED = Fraction(1, 10**20)
 EVENT = ("kind", "boundary", "source", "target")
+#: Samples of an orbit that tell whether it stays in one band: the checker proves it.
+SAMPLES = 2000
 
 
 class LoopInDigits(NamedTuple):
@@ -68,10 +73,12 @@ def certify_law_orbit(orbit: FollowedOrbit) -> Certificate:
         raise ParameterError("what", orbit, "is a rest; certify a motion that comes to rest")
     reason = ""
     refused = None
+    if _stays_in_band(orbit):
+        return _proposed_steady(orbit, ORBIT_DIGITS[0])
     for digits in ORBIT_DIGITS:
         try:
             loop = _loop(orbit, digits)
-        except (ConvergenceError, NothingProposed) as undecided:
+        except (ConvergenceError, NothingProposed, ParameterError) as undecided:
             reason = f"not decided: {undecided}"
             continue
         for share in BOXES:
@@ -87,6 +94,48 @@ def certify_law_orbit(orbit: FollowedOrbit) -> Certificate:
     if refused is None:
         return Certificate("orbit", False, message)
     return replace(refused, message=message)
+
+
+def _stays_in_band(orbit: FollowedOrbit) -> bool:
+    """Return whether an orbit meets neither a belt nor a corner."""
+    if orbit.points:
+        return False
+    assert orbit.motion is not None
+    speeds = [float(edge.v) for edge in orbit.parameters.law.edges]
+    begin = float(orbit.motion.t_start)
+    _, v = orbit.motion(np.linspace(begin, float(orbit.motion.t_end), SAMPLES))
+    return len(set(np.searchsorted(speeds, v).tolist())) == 1
+
+
+def _proposed_steady(orbit: FollowedOrbit, digits: int) -> Certificate:
+    """Return the certificate of the steady motion of the band around v = 0."""
+    if not orbit.periods:
+        message = "the orbit without a belt: not decided: circles in a band, of which none is alone"
+        return Certificate("orbit", False, message)
+    p = orbit.parameters
+    context = mp_context(digits)
+    below = max((edge.v for edge in p.law.edges if edge.v < 0), default=None)
+    above = min((edge.v for edge in p.law.edges if edge.v > 0), default=None)
+    slope, _ = p.law.line_between(below, above)
+    decay, stiffness, Omega = (
+        context.mpf(value.numerator) / value.denominator
+        for value in ((p.c + slope) / (2 * p.m), p.k / p.m, p.Omega)
+    )
+    root = context.sqrt(decay**2 - stiffness)
+    turn = 2 * context.pi / Omega
+    first, second = (context.exp((sign * root - decay) * turn) for sign in (1, -1))
+    if first.imag < 0:
+        first, second = second, first
+    statement = made_by(digits) | {
+        "parameters": law_entry(p),
+        "word": "",
+        "periods": orbit.periods,
+        "events": [],
+        "alone_within": ["0", "0"],
+        "multipliers": proposed_multipliers((first, second)),
+        "stable": proposed_stability((first, second)),
+    }
+    return confirmed("orbit", statement)
 
 
 def _loop(orbit: FollowedOrbit, digits: int) -> LoopInDigits:
@@ -119,9 +168,7 @@ def _beginning(orbit: FollowedOrbit, digits: int) -> LoopInDigits:
         return LoopInDigits(orbit, t, x, p.belt(maps[place].start.boundary), (), period)
     t, x, v = map(fraction, orbit.start)
     loop = LoopInDigits(orbit, t, x, v, (), period)
-    corner = next(iter(_steps(loop, t, x, digits)), None)
-    if corner is None:
-        raise NothingProposed("an orbit that meets neither a belt nor a corner")
+    corner = _steps(loop, t, x, digits)[0]
     return loop._replace(t=corner.t, x=corner.x, v=corner_speed(p.law, corner.boundary))
 
 

@@ -22,6 +22,9 @@ Balls (arb) prove:
    A cycle without a drive (B0 = 0, of a law with `belts`) may begin at any time: P maps x to x, e_t
    = 0, and D is its derivative by x. The multipliers are 1 and D (0 if the motion sticks).
 
+   An orbit without events is the steady motion of the band around v = 0, if its largest speed is
+   less than those of the edges. D is the flow of y'' + (c/m) y' + (k/m) y = 0 over a forcing period.
+
 A "branch", for an interval of a parameter at once:
 
 4. x = A/k + a cos(Omega t) + b sin(Omega t) + y, a + i b = B0/(k - m Omega^2 - i c Omega), y'' + 2
@@ -267,6 +270,10 @@ def law_course(data):
     and the corners between them.
     """
     rows = data["events"]
+    if not rows:
+        right = data["periods"] == 1 and data["word"] == "" and not any(data["alone_within"])
+        check(right, "an orbit without events of one period, no word and no box", BAD)
+        return []
     is_cycle = data["periods"] == data["parameters"]["B0"] == 0
     check(
         (is_cycle or 0 < data["periods"] < base.MOST_PERIODS) and len(rows) > 2,
@@ -397,6 +404,8 @@ def orbit(data, source, limits):
     periods = data["periods"]
     events = law_course(data) if "belts" in data["parameters"] else course(data)
     rows = data["events"]
+    if not rows:
+        return steady_orbit(problem, data, source)
     turn = None
     if periods:
         turn = 2 * periods * arb.pi() / arb(problem.p["Omega"])
@@ -431,11 +440,43 @@ def orbit(data, source, limits):
         alone = f"the only one within {in_x} in x"
     name = f" {data['word']}" if data["word"] else ", which meets no belt,"
     first = f"{kind}{name} {time}, {alone}"
-    shown = [
+    shown = multiplier_lines(source)
+    return [first, base.about(source["parameters"]), *base.table(source["events"]), *shown]
+
+
+def steady_orbit(problem, data, source):
+    """Prove that the steady motion of a band is an orbit, with its multipliers; return lines of text."""
+    p = problem.p
+    law = problem.law
+    check(
+        p["B0"] != 0 < p["k"] and not law.edge_of(0), "a drive, a spring, and a band around v = 0"
+    )
+    band = problem.mode(law.band_of(0))
+    c = law.bands[band.number].c
+    pull = arb(p["k"] - p["m"] * p["Omega"] ** 2)
+    drag = arb(c * p["Omega"])
+    size = (pull * pull + drag * drag).sqrt()
+    require(size, "that there is a steady motion")
+    most = arb(abs(p["B0"]) * p["Omega"]) / size  # its largest speed
+    for edge in band.ends:
+        require(arb(abs(law.edges[edge].v)) - most, "that the steady motion stays in its band")
+    turn = 2 * arb.pi() / arb(p["Omega"])
+    D = (turn * arb_mat([[0, 1], [-p["k"] / p["m"], -c / p["m"]]])).exp()
+    # 1 is no multiplier: no other motion of the band is periodic with the drive.
+    apart = 1 - D[0, 0] - D[1, 1] + D[0, 0] * D[1, 1] - D[0, 1] * D[1, 0]
+    require(abs(apart), "that the orbit is the only one in its band")
+    check_multipliers(data, D)
+    kind = {True: "a stable orbit", False: "an unstable orbit", None: "an orbit"}[data["stable"]]
+    first = f"{kind} of 1 forcing period, which meets no edge, the only such one in its band"
+    return [first, base.about(source["parameters"]), *multiplier_lines(source)]
+
+
+def multiplier_lines(source):
+    """Return the multipliers of a file as lines of text."""
+    return [
         f"multiplier: {' .. '.join(ends['re'])} + i ({' .. '.join(ends['im'])})"
         for ends in source["multipliers"]
     ]
-    return [first, base.about(source["parameters"]), *base.table(source["events"]), *shown]
 
 
 def fixed_point(problem, data, turn):

@@ -23,6 +23,8 @@ from law_orbits import DRIVEN, STICK_SLIP, TWO_BANDS, as_oracle, driven
 from symosc import Belt, Oscillator, ParameterError, certify, continue_orbit, find_orbit, simulate
 from symosc.orbits.shooting import orbit_near
 
+STEADY = Oscillator(**DRIVEN, belts=[Belt(30, mu="0.7", mu_s=1)])
+
 
 def test_the_stick_slip_cycle_is_that_of_its_closed_form() -> None:
     proof = certify(orbit_of("stick-slip"))
@@ -80,13 +82,22 @@ def test_the_unstable_cycle_born_at_a_corner_is_proven() -> None:
     assert abs((low + high) / 2 - Fraction("1.34838658643")) < Fraction(1, 10**11)
 
 
+def test_a_steady_motion_that_meets_no_edge_is_proven() -> None:
+    orbit = find_orbit(STEADY, x0=1)
+    proof = certify(orbit)
+    assert (proof.proven, proof.stable, proof.events) == (True, True, ())
+    assert proof.message == (
+        "a stable orbit of 1 forcing period, which meets no edge, the only such one in its band"
+    )
+    for value, (re, im) in zip(orbit.multipliers, proof.multipliers, strict=True):
+        for part, (low, high) in ((value.real, re), (value.imag, im)):
+            assert float(low) - 1e-11 < part < float(high) + 1e-11
+
+
 def test_what_is_no_such_orbit_is_refused_by_name() -> None:
     wall = Oscillator(m=1, c=0, k=1, B0="0.3", Omega="0.58", belts=[Belt(0, mu="0.5", mu_s="0.8")])
     with pytest.raises(ParameterError, match="is a rest; certify a motion"):
         certify(find_orbit(wall, x0=5))
-    steady = Oscillator(**DRIVEN, belts=[Belt(30, mu="0.7", mu_s=1)])
-    far = certify(find_orbit(steady, x0=1))
-    assert (far.proven, "meets neither a belt nor a corner" in far.message) == (False, True)
     branch = continue_orbit(STICK_SLIP, "S1 B1", "mu_s1", (1, "1.01"))
     with pytest.raises(ParameterError, match="static friction of belt 1"):
         certify(branch)

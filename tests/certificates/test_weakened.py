@@ -412,6 +412,11 @@ ROWS: dict[str, Row] = {
     "the least cycle": Row(
         dropped("no part of the cycle is all of it"), laws.twice_round_a_cycle, verify_orbits
     ),
+    "that a steady motion stays in its band": Row(
+        dropped("that the steady motion stays in its band"),
+        laws.steady_motion_beyond_a_belt,
+        verify_orbits,
+    ),
     "that a cycle has no drive": Row(
         (
             (

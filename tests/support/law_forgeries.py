@@ -10,7 +10,7 @@ from typing import Any
 
 from certificate_files import Document, document, moved, put
 
-from symosc import Belt, Certificate, Oscillator, Scene, certify
+from symosc import Belt, Certificate, Oscillator, Scene, certify, find_orbit
 
 FREE: Any = {"m": 1, "c": 0, "k": 1}
 #: Damping -9/5 below the belt, about the equilibrium at x = 28000.2: there motions grow.
@@ -133,6 +133,14 @@ def twice_round_a_cycle() -> Document:
     period = Fraction(rows[-1]["t"][0]) - Fraction(rows[0]["t"][0])
     again = [row | {"t": moved(row["t"], period, "1e-20")} for row in rows[1:]]
     return whole | {"events": rows + again, "word": "S1∘B1∘S1∘B1"}
+
+
+def steady_motion_beyond_a_belt() -> Document:
+    """The steady motion of a band, which would be larger than the speed of the belt."""
+    law = Oscillator(m=1, c="0.05", k=1, B0="0.6", Omega="1.4", belts=[Belt(30, 1, mu_s=2)])
+    whole = dict(certify(find_orbit(law, x0=1)).as_dict())
+    del whole["message"]
+    return put(whole, "parameters", "belts", 0, "v", "1/10")
 
 
 def drive_left_out() -> Document:

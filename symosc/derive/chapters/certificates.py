@@ -170,12 +170,12 @@ def _laws() -> Items:
         r"belts, and follows a motion from edge to edge. In each band it has the linear equation "
         r"with the damping $c$ of the band, of any sign; at a belt "
         r"Theorem~\ref{thm:static_friction-cases} says what follows, and during a stick the gaps "
-        r"are $F^{(b)} + E$ and $E - F^{(b+1)}$. At a corner with $F \ne 0$ the motion goes on "
+        r"are $F^{(\lambda)} + E$ and $E - F^{(\lambda+1)}$. At a corner with $F \ne 0$ the motion goes on "
         r"into the other band (Theorem~\ref{thm:friction_curves-corner}). Only the bound of "
         r"$u = \ddot{g}$ in a step and the use of its energy for all times depend on the sign of "
         r"$c$; the latter is left to bands with $c \ge 0$.",
         r"\begin{lemma}[a step in any band]\label{thm:certificates-growth} Let $\ddot{u} + "
-        r"(c/m)\dot{u} + (k/m)u = r$ with $|r| \le D$, let $\gamma = \exp(\max(-c, 0)\,h/m)$, and "
+        r"(c/m)\dot{u} + (k/m)u = r$ with $|r| \le D$, let $\gamma = e^{\max(-c, 0)\,h/m}$, and "
         r"$\ell = \min(h, m/c)$ if $c > 0$, else $\ell = \gamma h$. For times $s$ from 0 to $h$, "
         r"with $u$ and $\dot{u}$ on the right at $s = 0$,\begin{enumerate}\item[(i)] $|u(s)| \le "
         r"\gamma\,\bigl((u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}\bigr)$ for $k > 0$;"
@@ -214,7 +214,10 @@ def _laws() -> Items:
         r"stays open. A cycle without a drive is a fixed point of the map $P$ of $x$ alone, from an "
         r"arrival at a belt to the next one of its kind: no time is another. "
         r"Theorem~\ref{thm:certificates-newton} in one dimension proves it; its multipliers are 1 "
-        r"and $P'$. No theorem asks that the motions contract: unstable orbits are proven alike.",
+        r"and the derivative of $P$. No theorem asks that the motions contract: unstable orbits are proven alike. An "
+        r"orbit that meets no edge is the steady motion of the band around $\dot{x} = 0$. Its "
+        r"largest speed is the amplitude $V_0$ of Chapter~\ref{sec:events}, and its multipliers are "
+        r"those of the band.",
     )
 
 
