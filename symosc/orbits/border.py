@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import chain, pairwise
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,8 @@ from symosc.base.exact import read_exact, whole_number
 from symosc.base.quantities import least
 from symosc.kernels import linear
 from symosc.kernels.entire import EPS
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Model, Parameters, some
+from symosc.orbits.admissibility import BIRTH, GRAZING, SLIP_BIRTH, VANISHING
 from symosc.orbits.border_crossings import (
     BESIDE,
     Begun,
@@ -46,12 +48,27 @@ from symosc.orbits.border_points import (
     circle,
     motion_at,
 )
-from symosc.orbits.border_system import BorderPlane, BorderSystem, Node, names_of
+from symosc.orbits.border_system import REST, BorderPlane, BorderSystem, Node
 from symosc.orbits.border_trace import BorderEnd, followed
-from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
+from symosc.orbits.branch import (
+    MOST,
+    NO_CONVERGENCE,
+    RANGE,
+    Branch,
+    BranchSpecial,
+    read_range,
+)
 from symosc.orbits.closing_equations import ConvergenceError, Orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
+from symosc.orbits.law_border import (
+    BorderBegun,
+    LawBorderSystem,
+    begun_at,
+    begun_at_multiplier,
+    orbit_through,
+)
+from symosc.orbits.law_margins import margins
 from symosc.words import Word, cycle, of_belts
 
 # The distances, as parts of the ranges, from a branch's end to where its border is looked for.
@@ -62,10 +79,12 @@ ROUNDED_TO_0 = 1e-12
 ON_BORDER = 1e-4
 # Parts into which the cubic between two points of a border is cut to measure distances from it.
 PARTS_OF_STEP = 8
+#: Ends of branches under any law whose border is followed.
+FOLLOWED_UNDER_ANY_LAW = (GRAZING, BIRTH, VANISHING, SLIP_BIRTH)
 STEP = 0.002
+# Values found in doubles that differ by less, as a part of the range, are one.
+SAME_VALUE = 1e-11
 MOST_POINTS = 5000
-#: What stands for a word where the mass may rest on a belt for ever.
-REST = "rest"
 
 
 class Border(Drawable):
@@ -81,13 +100,15 @@ class Border(Drawable):
     errors : (n, 2) array
         Estimates of the errors of `points`.
     kind : str
-        What happens to the orbit at the border, as for `BranchEnd`.
+        What happens to the orbit at the border, as for `BranchEnd`; or "fold", "period doubling",
+        "Neimark-Sacker".
     sliding : str
         The name in the literature: "crossing-sliding", "grazing-sliding", "switching-sliding" or
         "adding-sliding"; "" where the mass does not stick to the belt in question.
     words : tuple of two (str or None)
         The words on both sides, the branch's first: those of the settled motions, found by the
-        engine beside the border. "rest" where the mass may rest on a belt for ever; None if it
+        engine beside the border. "rest" where the mass may rest on a belt for ever, or comes to rest
+        under another law than the paper's; None if it
         meets no belt any more, or no motion with a word was found. Rotations are made equal: P32,
         not P23.
     special : tuple of SpecialPoint
@@ -126,7 +147,7 @@ class Border(Drawable):
         self.special = tuple(special)
         self.points = np.array([system.values(node.z) for node in nodes])
         self.errors = np.array([node.errors for node in nodes])
-        self.kind, self.sliding = names_of(system)
+        self.kind, self.sliding = system.called()
         self._side = 1.0
         self.words: tuple[str | None, str | None] = self._words_of_sides()
 
@@ -134,6 +155,10 @@ class Border(Drawable):
         """Return the words on both sides of the middle point, that of the equations first, and
         choose the side that is the first.
         """
+        if isinstance(self._system, LawBorderSystem):
+            kept = self._system.same_words()
+            if kept is not None:
+                return kept
         own = cycle(str(self._system.word))
         for distance in BESIDE:
             words = self.words_beside(len(self) // 2, distance)
@@ -156,14 +181,19 @@ class Border(Drawable):
         require(WHOLE, i=i)
         require(NUMBER, distance=distance)
 
-        near = self.orbit(i)
         first, second = self.beside(i, distance)
+        system = self._system
+        if isinstance(system, LawBorderSystem):
+            z = self._nodes[i].z
+            return system.word_at(first, z), system.word_at(second, z)
+        near = self.orbit(i)
         return _word_at(first, near), _word_at(second, near)
 
     @public
-    def orbit(self, i: int) -> Orbit:
+    def orbit(self, i: int) -> Any:
         """Return the orbit at the border's i-th point, with the shorter one of the words on its two
-        sides.
+        sides. Under another law than the paper's it is the orbit with the branch's word beside the
+        point, a `PeriodicOrbit`.
         """
         return self._system.orbit(self._nodes[whole_number("i", i, -len(self), len(self) - 1)].z)
 
@@ -199,6 +229,11 @@ class Border(Drawable):
         require(NUMBER, step=step)
         require(WHOLE, max_points=max_points)
         steps = _read_steps(step, max_points)
+        if isinstance(self._system, LawBorderSystem):
+            raise BorderError(
+                "borders of other friction laws than the paper's are followed one by one, from the "
+                "ends of branches"
+            )
         borders = [self]
         waiting = [self]
         done = list[tuple[float, float]]()
@@ -272,7 +307,12 @@ class Border(Drawable):
                 values.append(float(polished[other_index]))
             else:
                 values += self._at_folds(j, float(exact))
-        return tuple(sorted(set(values)))
+        values = sorted(set(values))
+        if system.is_refined or not values:
+            return tuple(values)
+        # A point of the curve at the value belongs to the steps on both sides of it.
+        near = SAME_VALUE * self._plane.widths[1 - j]
+        return (values[0], *(high for low, high in pairwise(values) if high - low > near))
 
     def _at_folds(self, j: int, value: float) -> list[float]:
         """Return the values of the other parameter at the folds where parameter j has a value:
@@ -296,16 +336,13 @@ class Border(Drawable):
         return isinstance(other, Border) and self.as_dict() == other.as_dict()
 
     def __repr__(self) -> str:
-        a, b = self.words
+        a, b = (word or "no word" for word in self.words)
         ends = " to ".join(
             f"({end.values[0]:.6g}, {end.values[1]:.6g}) ({end.kind})" for end in self.ends
         )
         name = self.sliding or self.kind
         axes = ", ".join(self.parameters)
-        return (
-            f"<Border {a} | {b or 'no word'} ({name}) over ({axes}), {len(self.points)} points, "
-            f"{ends}>"
-        )
+        return f"<Border {a} | {b} ({name}) over ({axes}), {len(self.points)} points, {ends}>"
 
     def as_dict(self) -> Record:
         """Return the border as a dict of plain values: numbers, text and lists."""
@@ -460,7 +497,7 @@ def passes(
 @public
 def continue_border(
     branch: Branch,
-    end: int,
+    end: int | BranchSpecial,
     parameter: str,
     range: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
     *,
@@ -475,8 +512,9 @@ def continue_border(
     Parameters
     ----------
     branch : Branch
-    end : int
-        The number of the branch's end, 0 or 1.
+    end : int or BranchSpecial
+        The number of the branch's end, 0 or 1; or one of `Branch.special`, whose fold, period
+        doubling or Neimark-Sacker point is followed.
     parameter : str
         The second parameter.
     range : (low, high)
@@ -503,12 +541,16 @@ def continue_border(
     'crossing-sliding'
     """
     require(Branch, branch=branch)
+    require(WHOLE, BranchSpecial, end=end)
     require(TEXT, parameter=parameter)
     require(row_of(2, NUMBER), mapping_of(row_of(2, NUMBER)), range=range)
     require(NUMBER, step=step)
     require(WHOLE, max_points=max_points)
+    if isinstance(end, BranchSpecial):
+        return _border_of_law(branch, end, parameter, range, step, max_points)
     number = whole_number("end", end, 0, 1)
-    branch._orbit.equations()  # which refuses other laws than the paper's
+    if branch._starts is not None:
+        return _border_of_law(branch, number, parameter, range, step, max_points)
     at_end = -number  # the index of the branch's point at this end: 0 or -1
     reason = branch.ends[number]
     if reason.kind in (RANGE, NO_CONVERGENCE, MOST):
@@ -555,6 +597,73 @@ def continue_border(
     return border
 
 
+def _border_of_law(
+    branch: Branch,
+    end: int | BranchSpecial,
+    parameter: str,
+    limits: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
+    step: NumberLike,
+    max_points: int,
+) -> Border:
+    """Return the border at an end of a branch under any law, or at a place where a multiplier passes
+    the unit circle.
+    """
+    longest, most = _read_steps(step, max_points)
+    assert branch._starts is not None
+    if isinstance(end, BranchSpecial):
+        if end not in branch.special:
+            raise ParameterError("end", end.kind, "must be one of `branch.special`")
+        at_end = int(np.abs(branch.values - end.value).argmin())
+        value, kind, inward = end.value, end.kind, 1.0
+        t, x, v = end.start
+        span = end.span
+    else:
+        reason = branch.ends[end]
+        if reason.kind not in FOLLOWED_UNDER_ANY_LAW:
+            allowed = (
+                f"must be an end at a border that has one equation ({', '.join(FOLLOWED_UNDER_ANY_LAW)}"
+                f"); the branch ends there with {reason.kind!r}: {reason.message}"
+            )
+            raise ParameterError("end", end, allowed)
+        at_end = -end
+        value, kind = float(branch.values[at_end]), reason.kind
+        middle = branch.values[len(branch.values) // 2]
+        inward = float(np.sign(middle - reason.value)) or (1.0, -1.0)[end]
+        t, x, v = branch._starts[at_end].tolist()
+        span = float(branch.spans[at_end])
+    model = branch.parameters(at_end).replace(**{branch.parameter: value})
+    plane = _read_plane(model, branch.parameter, parameter, limits, tuple(model.numbers()))
+    lost = BorderError(
+        f"the border of {branch.word or 'an orbit without a belt'} at {branch.parameter} = "
+        f"{value:.8g} was not found: its {kind} has no equation there that can be solved"
+    )
+    orbit = orbit_through(model, t, x, v, span, branch.periods)
+    if orbit is None:
+        raise lost
+    begun: BorderBegun | None = None
+    if isinstance(end, BranchSpecial):
+        begun = begun_at_multiplier(orbit, kind)
+    else:
+        reasons = [margin for margin in margins(orbit) if margin.event == kind]
+        if reasons:
+            begun = begun_at(orbit, reasons[0])
+    if begun is None:
+        raise lost
+    system = LawBorderSystem(model, plane.names, plane.widths.tolist(), orbit, begun, plane, kind)
+    other = float(model.numbers()[parameter])
+    z = system.unknowns(begun.t, begun.x, [value, other])
+    row = np.zeros(len(z))
+    row[-1] = 1.0
+    node = system.node(z, row)
+    if node is None:
+        raise lost
+    try:
+        system.begin_side(node.z, inward)
+    except (ConvergenceError, ValueError):
+        raise lost from None
+    return traced(system, node, longest, most)
+
+
 def _begun_at_end(
     plane: BorderPlane, values: np.ndarray, near: Orbit, inward: float
 ) -> Begun | None:
@@ -592,28 +701,29 @@ def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple
 
 
 def _read_plane(
-    parameters: Parameters,
+    parameters: Model,
     first: str,
     second: str,
     limits: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
+    known: Sequence[str] = PARAMETER_NAMES,
 ) -> BorderPlane:
     """Check the two parameters and their ranges `limits`; return their plane."""
     if second == first:
         raise ParameterError(
             "parameter", second, f"must differ from the branch's own parameter {first}"
         )
-    if second not in PARAMETER_NAMES:
-        names = [name for name in PARAMETER_NAMES if name != first]
-        allowed = f"must be one of {', '.join(names)}"
+    if second not in known:
+        names = [name for name in known if name != first]
+        allowed = f"must be one of {some(names)}"
         raise ParameterError("parameter", second, allowed + meant(second, names))
     if isinstance(limits, Mapping):
         ranges = dict(limits)
     else:
         ranges = {second: limits}
     if first not in ranges:
-        ranges[first] = _usual_range(first, getattr(parameters, first))
+        ranges[first] = _usual_range(first, parameters.numbers()[first])
     low, high = np.array(
-        [read_range(parameters, name, ranges.pop(name, None)) for name in (first, second)]
+        [read_range(parameters, name, ranges.pop(name, None), known) for name in (first, second)]
     ).T
     if ranges:
         raise ParameterError(
