@@ -69,7 +69,7 @@ from symosc.orbits.law_border import (
     orbit_through,
 )
 from symosc.orbits.law_margins import margins
-from symosc.words import Word, cycle, of_belts
+from symosc.words import Word, cycle, of_belts, written
 
 # The distances, as parts of the ranges, from a branch's end to where its border is looked for.
 AWAY = (1e-7, 1e-6, 1e-5)
@@ -149,7 +149,15 @@ class Border(Drawable):
         self.errors = np.array([node.errors for node in nodes])
         self.kind, self.sliding = system.called()
         self._side = 1.0
-        self.words: tuple[str | None, str | None] = self._words_of_sides()
+        #: The number of belts by which words are labelled, and the words with the labels of two.
+        self._belts = 2
+        self._words = self._words_of_sides()
+
+    @property
+    def words(self) -> tuple[str | None, str | None]:
+        """The words on both sides, the branch's first."""
+        first, second = self._words
+        return labelled(first, self._belts), labelled(second, self._belts)
 
     def _words_of_sides(self) -> tuple[str | None, str | None]:
         """Return the words on both sides of the middle point, that of the equations first, and
@@ -161,7 +169,7 @@ class Border(Drawable):
                 return kept
         own = cycle(str(self._system.word))
         for distance in BESIDE:
-            words = self.words_beside(len(self) // 2, distance)
+            words = self._pair_beside(len(self) // 2, distance)
             if words[0] != own and own in words:
                 self._side = -self._side  # of the curve that `beside` looks at first
                 words = words[::-1]
@@ -180,7 +188,11 @@ class Border(Drawable):
         """
         require(WHOLE, i=i)
         require(NUMBER, distance=distance)
+        first, second = self._pair_beside(i, distance)
+        return labelled(first, self._belts), labelled(second, self._belts)
 
+    def _pair_beside(self, i: int, distance: NumberLike) -> tuple[str | None, str | None]:
+        """Return the words of `words_beside` with the labels of two belts."""
         first, second = self.beside(i, distance)
         system = self._system
         if isinstance(system, LawBorderSystem):
@@ -245,7 +257,8 @@ class Border(Drawable):
                 done.append(point)
                 for leaving in border._leaving(point, *steps):
                     middle = leaving.points[len(leaving) // 2]
-                    if not any(passes(known, middle, leaving.words) for known in borders):
+                    leaving._belts = self._belts
+                    if not any(passes(known, middle, leaving._words) for known in borders):
                         borders.append(leaving)
                         waiting.append(leaving)
         return borders
@@ -359,6 +372,15 @@ class Border(Drawable):
         }
 
 
+def labelled(word: str | None, belts: int) -> str | None:
+    """Return the text of a word with the labels of a law of so many belts; what stands for a word
+    stays.
+    """
+    if not word or word == REST:
+        return word
+    return str(of_belts(written(word), belts).cycle)
+
+
 def _word_at(p: Parameters, near: Orbit) -> str | None:
     """Return the word of the motion at parameters `p`, found from an orbit close by.
 
@@ -461,7 +483,7 @@ def _distinct(begun: Iterable[Begun], step: float, most: int) -> list[Border]:
     for system, node in begun:
         border = traced(system, node, step, most)
         values = system.values(node.z)
-        is_known = any(passes(known, values, border.words) for known in borders)
+        is_known = any(passes(known, values, border._words) for known in borders)
         if len(border) > 1 and not is_known:
             borders.append(border)
     return borders
@@ -473,7 +495,7 @@ def passes(
     """Return whether `border` has `words` on its sides and passes the point `values` within
     ON_BORDER of the ranges.
     """
-    if set(border.words) != set(words):
+    if set(border._words) != set(words):
         return False
     # The chords of long steps are farther from the curve than that: the cubics between the points
     # are cut.
@@ -576,6 +598,7 @@ def continue_border(
         closed = None
     if closed is not None:
         border = traced(*closed, longest, most)
+        border._belts = len(branch._orbit.parameters.law.belts)
         border.kind = reason.kind
         return border
     # From the end towards the middle of the branch; where both have one value, up from the first
@@ -590,8 +613,9 @@ def continue_border(
         )
     border = traced(*begun, longest, most)
     # The branch's word comes first, and what happens is what happens to it.
-    if border.words[1] == str(word.cycle):
-        border.words = border.words[::-1]
+    border._belts = len(branch._orbit.parameters.law.belts)
+    if border._words[1] == str(word.cycle):
+        border._words = border._words[::-1]
         border._side = -border._side
         border.kind = reason.kind
     return border
@@ -661,7 +685,9 @@ def _border_of_law(
         system.begin_side(node.z, inward)
     except (ConvergenceError, ValueError):
         raise lost from None
-    return traced(system, node, longest, most)
+    border = traced(system, node, longest, most)
+    border._belts = len(model.law.belts)
+    return border
 
 
 def _begun_at_end(
