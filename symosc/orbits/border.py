@@ -62,8 +62,10 @@ from symosc.orbits.closing_equations import ConvergenceError, Orbit
 from symosc.orbits.find import find_orbit
 from symosc.orbits.floquet import rest_positions
 from symosc.orbits.law_border import (
+    ONSET,
     BorderBegun,
     LawBorderSystem,
+    OnsetSystem,
     begun_at,
     begun_at_multiplier,
     orbit_through,
@@ -80,7 +82,7 @@ ON_BORDER = 1e-4
 # Parts into which the cubic between two points of a border is cut to measure distances from it.
 PARTS_OF_STEP = 8
 #: Ends of branches under any law whose border is followed.
-FOLLOWED_UNDER_ANY_LAW = (GRAZING, BIRTH, VANISHING, SLIP_BIRTH)
+FOLLOWED_UNDER_ANY_LAW = (GRAZING, BIRTH, VANISHING, SLIP_BIRTH, ONSET)
 STEP = 0.002
 # Values found in doubles that differ by less, as a part of the range, are one.
 SAME_VALUE = 1e-11
@@ -661,6 +663,9 @@ def _border_of_law(
         f"the border of {branch.word or 'an orbit without a belt'} at {branch.parameter} = "
         f"{value:.8g} was not found: its {kind} has no equation there that can be solved"
     )
+    other = float(model.numbers()[parameter])
+    if kind == ONSET:
+        return _onset(OnsetSystem(model, plane, branch.labels), value, other, lost, longest, most)
     orbit = orbit_through(model, t, x, v, span, branch.periods)
     if orbit is None:
         raise lost
@@ -674,7 +679,6 @@ def _border_of_law(
     if begun is None:
         raise lost
     system = LawBorderSystem(model, plane.names, plane.widths.tolist(), orbit, begun, plane, kind)
-    other = float(model.numbers()[parameter])
     z = system.unknowns(begun.t, begun.x, [value, other])
     row = np.zeros(len(z))
     row[-1] = 1.0
@@ -687,6 +691,20 @@ def _border_of_law(
         raise lost from None
     border = traced(system, node, longest, most)
     border._belts = len(model.law.belts)
+    return border
+
+
+def _onset(
+    system: OnsetSystem, value: float, other: float, lost: BorderError, longest: float, most: int
+) -> Border:
+    """Return the border of an onset at a corner, through a point of the plane."""
+    z = np.array([value, other]) / system.scale
+    along = system.along(z)
+    node = None if along is None else system.node(z, along)
+    if node is None:
+        raise lost
+    border = traced(system, node, longest, most)
+    border._belts = len(system.model.law.belts)
     return border
 
 

@@ -65,6 +65,8 @@ FOLD = "fold"
 PERIOD_DOUBLING = "period doubling"
 NEIMARK_SACKER = "Neimark-Sacker"
 MULTIPLIERS = (FOLD, PERIOD_DOUBLING, NEIMARK_SACKER)
+#: The border at which a cycle is born at a corner of friction.
+ONSET = "onset at a corner"
 #: So far from a border, in parts of the ranges, is the orbit beside it; margins that are below the
 #: second part of their like there are 0 on the border.
 ASIDE = 1e-7
@@ -508,6 +510,79 @@ class LawBorderSystem(BorderSystem):
         if orbit.is_rest:
             return REST
         return orbit.word or None
+
+
+class OnsetSystem(LawBorderSystem):
+    """The border at which a cycle without a drive is born at a corner of friction: the corner has the
+    speed 0, and damping changes its sign there. The unknowns are the two parameters.
+    """
+
+    def __init__(self, model: Model, plane: BorderPlane, labels: tuple[str, ...]) -> None:
+        self.model = model
+        self.plane = plane
+        self.names = plane.names
+        self.kind = ONSET
+        self.word = Word(labels)
+        self.periods = 0
+        self.zeros = ()
+        self.scale = plane.widths
+        self.sizes = np.ones(1)
+        self.known = []
+        self._laws = dict[tuple[float, ...], LawInDoubles]()
+        speeds = [abs(float(edge.v)) for edge in model.law.edges]
+        self.edge = speeds.index(min(speeds))
+        self.fastest = max(speeds)
+
+    def law_at(self, u: Unknowns) -> LawInDoubles:
+        """Return the law at two parameters; raise ValueError if there is none."""
+        try:
+            return self.law([float(value) for value in u])
+        except ParameterError as error:
+            raise ValueError(str(error)) from None
+
+    def residuals(self, u: Unknowns, digits: int | None = None) -> list[Number]:
+        """Return the speed of the corner, which must be 0, scaled."""
+        return [self.law_at(u).speeds[self.edge] / self.fastest]
+
+    def node(self, z: np.ndarray, along: np.ndarray, row: np.ndarray | None = None) -> Node | None:
+        """Find the border's point, as `BorderSystem` does."""
+        return BorderSystem.node(self, z, along, row)
+
+    def called(self) -> tuple[str, str]:
+        """Return what happens at the border, which has no name of its own."""
+        return self.kind, ""
+
+    def along(self, z: np.ndarray) -> np.ndarray | None:
+        """Return the direction of the border at a point of it; None if no parameter moves the
+        corner.
+        """
+        _, matrix = self._linearised((z * self.scale).tolist())
+        (gradient,) = (matrix * self.scale).tolist()
+        across, upward = gradient
+        if across == upward == 0.0:
+            return None
+        direction = np.array([upward, -across])
+        return direction / linear.norm(direction)
+
+    def orbit(self, z: np.ndarray) -> Any:
+        """Refuse: at its onset the cycle has no size."""
+        raise ConvergenceError(str(self.word), (), 0, inf, "the cycle has no size at its onset")
+
+    def margins(self, z: np.ndarray) -> list[Condition]:
+        """Return the inequality that damping changes its sign at the corner."""
+        law = self.law_at((z * self.scale).tolist())
+        below, above = (law.band(self.edge + side)[0].cm for side in (0, 1))
+        text = "damping changes its sign at the corner"
+        value = min(abs(below), abs(above)) * (1.0 if below * above < 0 else -1.0)
+        return [Condition(0, text, value, 0.0, "", -1, 1.0)]
+
+    def same_words(self) -> tuple[str, str | None]:
+        """Return the word of the cycle, and REST: beyond its onset there is a rest only."""
+        return str(self.word.cycle), REST
+
+    def word_at(self, model: Model, z: np.ndarray) -> str | None:
+        """Refuse: motions beside an onset settle too slowly."""
+        raise ConvergenceError(str(self.word), (), 0, inf, "motions settle too slowly at an onset")
 
 
 def orbit_through(

@@ -11,7 +11,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from law_orbits import DRIVEN, driven
+from law_orbits import DRIVEN, TWO_BANDS, driven
 
 from symosc import (
     Belt,
@@ -153,6 +153,17 @@ def test_the_birth_of_a_slip_is_followed() -> None:
     assert (border.kind, border.words[0]) == ("birth of a slip", "S1∘B1")
     other = continue_orbit(driven("1.05"), "S1 B1", "B0", ("0.6", "1.3"))
     assert border.at(mu_s1="1.05") == pytest.approx([other.ends[1].value], abs=1e-10)
+
+
+@pytest.mark.slow
+def test_an_onset_at_a_corner_is_where_the_corner_has_no_speed() -> None:
+    near = TWO_BANDS.replace(v1="9.2")
+    branch = continue_orbit(near, None, "v1", (9, "9.3"), (0, 0.2, 0.4))
+    border = continue_border(branch, 0, "w1_1", {"v1": (6, 12), "w1_1": (7, 11)}, step="0.1")
+    assert (border.kind, border.words) == ("onset at a corner", ("", "rest"))
+    assert border.at(w1_1="8.5") == pytest.approx([8.5], abs=1e-12)
+    upright = continue_border(branch, 0, "A0", {"v1": (6, 12), "A0": (-1, 1)}, step="0.1")
+    assert upright.at(A0="0.5") == pytest.approx([9], abs=1e-12)
 
 
 @pytest.mark.parametrize(
