@@ -380,7 +380,11 @@ def labelled(word: str | None, belts: int) -> str | None:
     """
     if not word or word == REST:
         return word
-    return str(of_belts(written(word), belts).cycle)
+    own = written(word)
+    other = of_belts(own, belts)
+    if other.labels == own.labels:
+        return word
+    return str(other.cycle)
 
 
 def _word_at(p: Parameters, near: Orbit) -> str | None:
