@@ -188,3 +188,20 @@ def test_a_mapping_at_a_belt_that_is_not_there_is_refused(
     for what in (CROSSING, scene, OtherModel(m=1, k=1, Omega=2, FN=1, B0=1)):
         message = refused(lambda what=what: call(what, mapping), name)  # type: ignore[misc]
         assert message is None or "there is one belt" in message
+
+
+def test_borders_and_planes_name_the_mappings_of_one_belt(tmp_path: Path) -> None:
+    """A file of a plane states two belts, so that it is verified as before."""
+    one = CROSSING.replace(Omega=1, FN="2/5", mu1=1)
+    branch = symosc.continue_orbit(one, "B1 A1", "FN", ("0.3", "0.99"))
+    over = {"FN": ("0.5", "0.99"), "Omega": ("0.98", "1.02")}
+    border = symosc.continue_border(branch, 1, "Omega", over, step="0.1")
+    words = ("B1∘A1", "S1∘B1∘S1∘A1")
+    assert border.words == border.words_beside(1) == words
+    assert "B1∘A1 | S1∘B1∘S1∘A1" in repr(border)
+    assert border.as_dict()["words"] == list(words)
+    plane = symosc.atlas(one, over, workers=1, path=tmp_path / "plane.json")
+    assert {region.word for region in plane.regions} == set(words)
+    assert plane.word_at(FN="0.6", Omega=1) == words[0]
+    assert [set(curve.words) for curve in plane.borders] == [set(words)]
+    assert '"P32"' in (tmp_path / "plane.json").read_text()

@@ -42,10 +42,11 @@ from symosc.base.workers import process_pool
 from symosc.certificates.certificate import FORMAT
 from symosc.kernels import linear
 from symosc.model import PARAMETER_NAMES, Parameters, by_name
-from symosc.orbits.border import REST, Border, BorderError, borders_between, passes
+from symosc.orbits.border import Border, BorderError, borders_between, labelled, passes
+from symosc.orbits.border_system import REST
 from symosc.orbits.closing_equations import ConvergenceError
 from symosc.orbits.find import SETTLING_PERIODS, settled_orbit
-from symosc.scenes import Scene, parameters_of, scene_of
+from symosc.scenes import Scene, model_of, parameters_of, scene_of
 from symosc.simulation.ensemble import simulate_many
 from symosc.words import Word, read_word
 
@@ -490,7 +491,7 @@ def border_known(borders: Sequence[Border], a: Place, b: Place) -> bool:
     *point_a, word_a = a
     *point_b, word_b = b
     between = (border for border in borders if crosses(border.points, point_a, point_b))
-    words = {word or "" for border in between for word in border.words}
+    words = {word or "" for border in between for word in border._words}
     return {word_a, word_b} <= words
 
 
@@ -499,7 +500,7 @@ def _is_among(border: Border, borders: Sequence[Border]) -> bool:
     point.
     """
     middle = border.points[len(border) // 2]
-    return any(passes(known, middle, border.words) for known in borders)
+    return any(passes(known, middle, border._words) for known in borders)
 
 
 def crosses(points: np.ndarray, a: Any, b: Any) -> bool:
@@ -657,6 +658,9 @@ class Atlas(Drawable):
     borders : tuple of Border
         They were continued from where the word changes on the grid, and from points of codimension
         two.
+    belts : int
+        The number of belts, by which words are labelled. Files state two: in place of a second one
+        there is one out of reach.
 
     Examples
     --------
@@ -677,6 +681,7 @@ class Atlas(Drawable):
     open: tuple[Rectangle, ...]
     grid: tuple[Place, ...]
     borders: tuple[Any, ...] = ()
+    belts: int = 2
 
     @property
     def _share(self) -> Fraction:
@@ -773,7 +778,7 @@ class Atlas(Drawable):
             (low_x, high_x), (low_y, high_y) = box.range
             if low_x <= x <= high_x and low_y <= y <= high_y:
                 return box.word
-        return canonical(settled_orbit(plane.at((x, y))).labels)
+        return str(labelled(canonical(settled_orbit(plane.at((x, y))).labels), self.belts))
 
     @cached_property
     def _ends(self) -> np.ndarray:
@@ -804,7 +809,7 @@ class Atlas(Drawable):
             "range": pairs(self.range),
             "share": show(self._share),
             "boxes": [
-                {"word": box.word, "range": pairs(box.range)}
+                {"word": labelled(box.word, 2), "range": pairs(box.range)}
                 | {
                     "phases": [f"{phase:.8g}" for phase, _ in box.points],
                     "x": [f"{x:.8g}" for _, x in box.points],
@@ -813,8 +818,10 @@ class Atlas(Drawable):
             ],
             "open": [pairs(box) for box in self.open],
             "found": {
-                "grid": list(map(list, self.grid)),
-                "borders": [border.as_dict() for border in self.borders],
+                "grid": [[x, y, labelled(word, 2)] for x, y, word in self.grid],
+                "borders": [
+                    border.as_dict() | {"words": list(border._words)} for border in self.borders
+                ],
             },
         }
 
@@ -890,6 +897,7 @@ def atlas(
     'P32'
     """
     p = parameters_of(scene_of(what, "what"))
+    belts = len(model_of(what, "what").law.belts)
     require(mapping_of(row_of(2, NUMBER)), over=over)
     require_or_none(*FILE, path=path)
     require(*PROGRESS, progress=progress)
@@ -935,7 +943,11 @@ def atlas(
         borders = plane.borders(pairs)
         cover.run(share, began + limit, pool, report)
     borders = plane.borders(cover.changes, borders)  # those that the grid has missed
-    made = Atlas(*plane, tuple(cover.proven), tuple(cover.open()), grid, tuple(borders))
+    for border in borders:
+        border._belts = belts
+    boxes = [box._replace(word=str(labelled(box.word, belts))) for box in cover.proven]
+    named = tuple((x, y, str(labelled(word, belts))) for x, y, word in grid)
+    made = Atlas(*plane, tuple(boxes), tuple(cover.open()), named, tuple(borders), belts)
     if path is not None:
         made.to_json(path)
     return made

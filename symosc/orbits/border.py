@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from itertools import chain, pairwise
 from math import inf
+from typing import Any
 
 import numpy as np
 
@@ -27,7 +28,8 @@ from symosc.base.exact import read_exact, whole_number
 from symosc.base.quantities import least
 from symosc.kernels import linear
 from symosc.kernels.entire import EPS
-from symosc.model import PARAMETER_NAMES, Parameters
+from symosc.model import PARAMETER_NAMES, Model, Parameters, some
+from symosc.orbits.admissibility import BIRTH, GRAZING, SLIP_BIRTH, VANISHING
 from symosc.orbits.border_crossings import (
     BESIDE,
     Begun,
@@ -46,13 +48,30 @@ from symosc.orbits.border_points import (
     circle,
     motion_at,
 )
-from symosc.orbits.border_system import BorderPlane, BorderSystem, Node, names_of
+from symosc.orbits.border_system import REST, BorderPlane, BorderSystem, Node
 from symosc.orbits.border_trace import BorderEnd, followed
-from symosc.orbits.branch import MOST, NO_CONVERGENCE, RANGE, Branch, read_range
+from symosc.orbits.branch import (
+    MOST,
+    NO_CONVERGENCE,
+    RANGE,
+    Branch,
+    BranchSpecial,
+    read_range,
+)
 from symosc.orbits.closing_equations import ConvergenceError, Orbit
 from symosc.orbits.find import settled_orbit
 from symosc.orbits.floquet import rest_positions
-from symosc.words import Word, cycle, of_belts
+from symosc.orbits.law_border import (
+    ONSET,
+    BorderBegun,
+    LawBorderSystem,
+    OnsetSystem,
+    begun_at,
+    begun_at_multiplier,
+    orbit_through,
+)
+from symosc.orbits.law_margins import margins
+from symosc.words import Word, cycle, of_belts, written
 
 # The distances, as parts of the ranges, from a branch's end to where its border is looked for.
 AWAY = (1e-7, 1e-6, 1e-5)
@@ -62,10 +81,12 @@ ROUNDED_TO_0 = 1e-12
 ON_BORDER = 1e-4
 # Parts into which the cubic between two points of a border is cut to measure distances from it.
 PARTS_OF_STEP = 8
+#: Ends of branches under any law whose border is followed.
+FOLLOWED_UNDER_ANY_LAW = (GRAZING, BIRTH, VANISHING, SLIP_BIRTH, ONSET)
 STEP = 0.002
+# Values found in doubles that differ by less, as a part of the range, are one.
+SAME_VALUE = 1e-11
 MOST_POINTS = 5000
-#: What stands for a word where the mass may rest on a belt for ever.
-REST = "rest"
 
 
 class Border(Drawable):
@@ -81,13 +102,15 @@ class Border(Drawable):
     errors : (n, 2) array
         Estimates of the errors of `points`.
     kind : str
-        What happens to the orbit at the border, as for `BranchEnd`.
+        What happens to the orbit at the border, as for `BranchEnd`; or "fold", "period doubling",
+        "Neimark-Sacker".
     sliding : str
         The name in the literature: "crossing-sliding", "grazing-sliding", "switching-sliding" or
         "adding-sliding"; "" where the mass does not stick to the belt in question.
     words : tuple of two (str or None)
         The words on both sides, the branch's first: those of the settled motions, found by the
-        engine beside the border. "rest" where the mass may rest on a belt for ever; None if it
+        engine beside the border. "rest" where the mass may rest on a belt for ever, or comes to rest
+        under another law than the paper's; None if it
         meets no belt any more, or no motion with a word was found. Rotations are made equal: P32,
         not P23.
     special : tuple of SpecialPoint
@@ -126,17 +149,29 @@ class Border(Drawable):
         self.special = tuple(special)
         self.points = np.array([system.values(node.z) for node in nodes])
         self.errors = np.array([node.errors for node in nodes])
-        self.kind, self.sliding = names_of(system)
+        self.kind, self.sliding = system.called()
         self._side = 1.0
-        self.words: tuple[str | None, str | None] = self._words_of_sides()
+        #: The number of belts by which words are labelled, and the words with the labels of two.
+        self._belts = 2
+        self._words = self._words_of_sides()
+
+    @property
+    def words(self) -> tuple[str | None, str | None]:
+        """The words on both sides, the branch's first."""
+        first, second = self._words
+        return labelled(first, self._belts), labelled(second, self._belts)
 
     def _words_of_sides(self) -> tuple[str | None, str | None]:
         """Return the words on both sides of the middle point, that of the equations first, and
         choose the side that is the first.
         """
+        if isinstance(self._system, LawBorderSystem):
+            kept = self._system.same_words()
+            if kept is not None:
+                return kept
         own = cycle(str(self._system.word))
         for distance in BESIDE:
-            words = self.words_beside(len(self) // 2, distance)
+            words = self._pair_beside(len(self) // 2, distance)
             if words[0] != own and own in words:
                 self._side = -self._side  # of the curve that `beside` looks at first
                 words = words[::-1]
@@ -155,15 +190,24 @@ class Border(Drawable):
         """
         require(WHOLE, i=i)
         require(NUMBER, distance=distance)
+        first, second = self._pair_beside(i, distance)
+        return labelled(first, self._belts), labelled(second, self._belts)
 
-        near = self.orbit(i)
+    def _pair_beside(self, i: int, distance: NumberLike) -> tuple[str | None, str | None]:
+        """Return the words of `words_beside` with the labels of two belts."""
         first, second = self.beside(i, distance)
+        system = self._system
+        if isinstance(system, LawBorderSystem):
+            z = self._nodes[i].z
+            return system.word_at(first, z), system.word_at(second, z)
+        near = self.orbit(i)
         return _word_at(first, near), _word_at(second, near)
 
     @public
-    def orbit(self, i: int) -> Orbit:
+    def orbit(self, i: int) -> Any:
         """Return the orbit at the border's i-th point, with the shorter one of the words on its two
-        sides.
+        sides. Under another law than the paper's it is the orbit with the branch's word beside the
+        point, a `PeriodicOrbit`.
         """
         return self._system.orbit(self._nodes[whole_number("i", i, -len(self), len(self) - 1)].z)
 
@@ -199,6 +243,11 @@ class Border(Drawable):
         require(NUMBER, step=step)
         require(WHOLE, max_points=max_points)
         steps = _read_steps(step, max_points)
+        if isinstance(self._system, LawBorderSystem):
+            raise BorderError(
+                "borders of other friction laws than the paper's are followed one by one, from the "
+                "ends of branches"
+            )
         borders = [self]
         waiting = [self]
         done = list[tuple[float, float]]()
@@ -210,7 +259,8 @@ class Border(Drawable):
                 done.append(point)
                 for leaving in border._leaving(point, *steps):
                     middle = leaving.points[len(leaving) // 2]
-                    if not any(passes(known, middle, leaving.words) for known in borders):
+                    leaving._belts = self._belts
+                    if not any(passes(known, middle, leaving._words) for known in borders):
                         borders.append(leaving)
                         waiting.append(leaving)
         return borders
@@ -272,7 +322,12 @@ class Border(Drawable):
                 values.append(float(polished[other_index]))
             else:
                 values += self._at_folds(j, float(exact))
-        return tuple(sorted(set(values)))
+        values = sorted(set(values))
+        if system.is_refined or not values:
+            return tuple(values)
+        # A point of the curve at the value belongs to the steps on both sides of it.
+        near = SAME_VALUE * self._plane.widths[1 - j]
+        return (values[0], *(high for low, high in pairwise(values) if high - low > near))
 
     def _at_folds(self, j: int, value: float) -> list[float]:
         """Return the values of the other parameter at the folds where parameter j has a value:
@@ -296,16 +351,13 @@ class Border(Drawable):
         return isinstance(other, Border) and self.as_dict() == other.as_dict()
 
     def __repr__(self) -> str:
-        a, b = self.words
+        a, b = (word or "no word" for word in self.words)
         ends = " to ".join(
             f"({end.values[0]:.6g}, {end.values[1]:.6g}) ({end.kind})" for end in self.ends
         )
         name = self.sliding or self.kind
         axes = ", ".join(self.parameters)
-        return (
-            f"<Border {a} | {b or 'no word'} ({name}) over ({axes}), {len(self.points)} points, "
-            f"{ends}>"
-        )
+        return f"<Border {a} | {b} ({name}) over ({axes}), {len(self.points)} points, {ends}>"
 
     def as_dict(self) -> Record:
         """Return the border as a dict of plain values: numbers, text and lists."""
@@ -320,6 +372,19 @@ class Border(Drawable):
             "ends": [end._asdict() for end in self.ends],
             "special": [point._asdict() for point in self.special],
         }
+
+
+def labelled(word: str | None, belts: int) -> str | None:
+    """Return the text of a word with the labels of a law of so many belts; what stands for a word
+    stays.
+    """
+    if not word or word == REST:
+        return word
+    own = written(word)
+    other = of_belts(own, belts)
+    if other.labels == own.labels:
+        return word
+    return str(other.cycle)
 
 
 def _word_at(p: Parameters, near: Orbit) -> str | None:
@@ -424,7 +489,7 @@ def _distinct(begun: Iterable[Begun], step: float, most: int) -> list[Border]:
     for system, node in begun:
         border = traced(system, node, step, most)
         values = system.values(node.z)
-        is_known = any(passes(known, values, border.words) for known in borders)
+        is_known = any(passes(known, values, border._words) for known in borders)
         if len(border) > 1 and not is_known:
             borders.append(border)
     return borders
@@ -436,7 +501,7 @@ def passes(
     """Return whether `border` has `words` on its sides and passes the point `values` within
     ON_BORDER of the ranges.
     """
-    if set(border.words) != set(words):
+    if set(border._words) != set(words):
         return False
     # The chords of long steps are farther from the curve than that: the cubics between the points
     # are cut.
@@ -460,7 +525,7 @@ def passes(
 @public
 def continue_border(
     branch: Branch,
-    end: int,
+    end: int | BranchSpecial,
     parameter: str,
     range: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
     *,
@@ -475,8 +540,9 @@ def continue_border(
     Parameters
     ----------
     branch : Branch
-    end : int
-        The number of the branch's end, 0 or 1.
+    end : int or BranchSpecial
+        The number of the branch's end, 0 or 1; or one of `Branch.special`, whose fold, period
+        doubling or Neimark-Sacker point is followed.
     parameter : str
         The second parameter.
     range : (low, high)
@@ -503,12 +569,16 @@ def continue_border(
     'crossing-sliding'
     """
     require(Branch, branch=branch)
+    require(WHOLE, BranchSpecial, end=end)
     require(TEXT, parameter=parameter)
     require(row_of(2, NUMBER), mapping_of(row_of(2, NUMBER)), range=range)
     require(NUMBER, step=step)
     require(WHOLE, max_points=max_points)
+    if isinstance(end, BranchSpecial):
+        return _border_of_law(branch, end, parameter, range, step, max_points)
     number = whole_number("end", end, 0, 1)
-    branch._orbit.equations()  # which refuses other laws than the paper's
+    if branch._starts is not None:
+        return _border_of_law(branch, number, parameter, range, step, max_points)
     at_end = -number  # the index of the branch's point at this end: 0 or -1
     reason = branch.ends[number]
     if reason.kind in (RANGE, NO_CONVERGENCE, MOST):
@@ -534,6 +604,7 @@ def continue_border(
         closed = None
     if closed is not None:
         border = traced(*closed, longest, most)
+        border._belts = len(branch._orbit.parameters.law.belts)
         border.kind = reason.kind
         return border
     # From the end towards the middle of the branch; where both have one value, up from the first
@@ -548,10 +619,96 @@ def continue_border(
         )
     border = traced(*begun, longest, most)
     # The branch's word comes first, and what happens is what happens to it.
-    if border.words[1] == str(word.cycle):
-        border.words = border.words[::-1]
+    border._belts = len(branch._orbit.parameters.law.belts)
+    if border._words[1] == str(word.cycle):
+        border._words = border._words[::-1]
         border._side = -border._side
         border.kind = reason.kind
+    return border
+
+
+def _border_of_law(
+    branch: Branch,
+    end: int | BranchSpecial,
+    parameter: str,
+    limits: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
+    step: NumberLike,
+    max_points: int,
+) -> Border:
+    """Return the border at an end of a branch under any law, or at a place where a multiplier passes
+    the unit circle.
+    """
+    longest, most = _read_steps(step, max_points)
+    assert branch._starts is not None
+    if isinstance(end, BranchSpecial):
+        if end not in branch.special:
+            raise ParameterError("end", end.kind, "must be one of `branch.special`")
+        at_end = int(np.abs(branch.values - end.value).argmin())
+        value, kind, inward = end.value, end.kind, 1.0
+        t, x, v = end.start
+        span = end.span
+    else:
+        reason = branch.ends[end]
+        if reason.kind not in FOLLOWED_UNDER_ANY_LAW:
+            allowed = (
+                f"must be an end at a border that has one equation ({', '.join(FOLLOWED_UNDER_ANY_LAW)}"
+                f"); the branch ends there with {reason.kind!r}: {reason.message}"
+            )
+            raise ParameterError("end", end, allowed)
+        at_end = -end
+        value, kind = float(branch.values[at_end]), reason.kind
+        middle = branch.values[len(branch.values) // 2]
+        inward = float(np.sign(middle - reason.value)) or (1.0, -1.0)[end]
+        t, x, v = branch._starts[at_end].tolist()
+        span = float(branch.spans[at_end])
+    model = branch.parameters(at_end).replace(**{branch.parameter: value})
+    plane = _read_plane(model, branch.parameter, parameter, limits, tuple(model.numbers()))
+    lost = BorderError(
+        f"the border of {branch.word or 'an orbit without a belt'} at {branch.parameter} = "
+        f"{value:.8g} was not found: its {kind} has no equation there that can be solved"
+    )
+    other = float(model.numbers()[parameter])
+    if kind == ONSET:
+        return _onset(OnsetSystem(model, plane, branch.labels), value, other, lost, longest, most)
+    orbit = orbit_through(model, t, x, v, span, branch.periods)
+    if orbit is None:
+        raise lost
+    begun: BorderBegun | None = None
+    if isinstance(end, BranchSpecial):
+        begun = begun_at_multiplier(orbit, kind)
+    else:
+        reasons = [margin for margin in margins(orbit) if margin.event == kind]
+        if reasons:
+            begun = begun_at(orbit, reasons[0])
+    if begun is None:
+        raise lost
+    system = LawBorderSystem(model, plane.names, plane.widths.tolist(), orbit, begun, plane, kind)
+    z = system.unknowns(begun.t, begun.x, [value, other])
+    row = np.zeros(len(z))
+    row[-1] = 1.0
+    node = system.node(z, row)
+    if node is None:
+        raise lost
+    try:
+        system.begin_side(node.z, inward)
+    except (ConvergenceError, ValueError):
+        raise lost from None
+    border = traced(system, node, longest, most)
+    border._belts = len(model.law.belts)
+    return border
+
+
+def _onset(
+    system: OnsetSystem, value: float, other: float, lost: BorderError, longest: float, most: int
+) -> Border:
+    """Return the border of an onset at a corner, through a point of the plane."""
+    z = np.array([value, other]) / system.scale
+    along = system.along(z)
+    node = None if along is None else system.node(z, along)
+    if node is None:
+        raise lost
+    border = traced(system, node, longest, most)
+    border._belts = len(system.model.law.belts)
     return border
 
 
@@ -592,28 +749,29 @@ def _read_steps(step: NumberLike = STEP, max_points: int = MOST_POINTS) -> tuple
 
 
 def _read_plane(
-    parameters: Parameters,
+    parameters: Model,
     first: str,
     second: str,
     limits: tuple[NumberLike, NumberLike] | Mapping[str, tuple[NumberLike, NumberLike]],
+    known: Sequence[str] = PARAMETER_NAMES,
 ) -> BorderPlane:
     """Check the two parameters and their ranges `limits`; return their plane."""
     if second == first:
         raise ParameterError(
             "parameter", second, f"must differ from the branch's own parameter {first}"
         )
-    if second not in PARAMETER_NAMES:
-        names = [name for name in PARAMETER_NAMES if name != first]
-        allowed = f"must be one of {', '.join(names)}"
+    if second not in known:
+        names = [name for name in known if name != first]
+        allowed = f"must be one of {some(names)}"
         raise ParameterError("parameter", second, allowed + meant(second, names))
     if isinstance(limits, Mapping):
         ranges = dict(limits)
     else:
         ranges = {second: limits}
     if first not in ranges:
-        ranges[first] = _usual_range(first, getattr(parameters, first))
+        ranges[first] = _usual_range(first, parameters.numbers()[first])
     low, high = np.array(
-        [read_range(parameters, name, ranges.pop(name, None)) for name in (first, second)]
+        [read_range(parameters, name, ranges.pop(name, None), known) for name in (first, second)]
     ).T
     if ranges:
         raise ParameterError(

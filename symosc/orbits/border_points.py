@@ -23,7 +23,6 @@ from symosc.orbits.admissibility import Condition, conditions, failures, scales
 from symosc.orbits.border_system import (
     BorderPlane,
     BorderSystem,
-    ClosedForm,
     Node,
     Zero,
     names_of,
@@ -247,17 +246,16 @@ def end_between(system: BorderSystem, good: Node, bad: Node) -> tuple[Node, Spec
     """
     good, bad, condition = _bisected(system, good, bad)
     values = system.values(good.z)
-    is_closed_form = isinstance(system, ClosedForm)
     point = None
-    if not is_closed_form:
+    if system.is_refined:
         point = meeting(system.plane, system.orbit(good.z), values)
     if point is None:
         message = _failure_text(condition)
-        if not is_closed_form:
+        if system.is_refined:
             message += "; the point could not be refined"
         # How far the two nodes are apart in the parameters, the last two unknowns.
         length = float(np.abs((bad.z - good.z)[-2:] * system.scale[-2:]).max())
-        kind, sliding = names_of(system)
+        kind, sliding = system.called()
         point = SpecialPoint(sliding or kind, values, message, length)
     # The last node of the border: the parameters of the point, all else as at `good`.
     z = good.z.copy()

@@ -59,6 +59,8 @@ from symosc.orbits.admissibility import (
 )
 from symosc.orbits.closing_equations import ClosingEquations, Orbit, OrbitPiece, pieces_of
 
+#: What stands for a word where the mass may rest on a belt for ever.
+REST = "rest"
 AT_FAR = "far"
 AT_ARRIVAL = "arrival"
 AT_FLAT = "flat"
@@ -118,13 +120,13 @@ class BorderPlane(NamedTuple):
     their ranges.
     """
 
-    fixed: Parameters
+    fixed: Any
     names: tuple[str, str]
     low: np.ndarray
     high: np.ndarray
 
-    def parameters(self, values: Sequence[float] | np.ndarray) -> Parameters:
-        """Return the parameters at a point of the plane."""
+    def parameters(self, values: Sequence[float] | np.ndarray) -> Any:
+        """Return the parameters at a point of the plane: Parameters, or an Oscillator."""
         return self.fixed.replace(**dict(zip(self.names, map(float, values), strict=True)))
 
     def near(self, a: Sequence[float], b: Sequence[float]) -> bool:
@@ -207,6 +209,9 @@ class BorderSystem:
     border; if two, a point. Lengths are measured in the scaled unknowns z = u/scale.
     """
 
+    #: Whether points of codimension two are located with many digits.
+    is_refined = True
+
     def __init__(self, plane: BorderPlane, orbit: Orbit, zeros: Sequence[Zero]) -> None:
         self.word, self.periods, points = orbit
         self.plane = plane
@@ -241,6 +246,10 @@ class BorderSystem:
             piece = pieces[following]
             pieces[following] = replace(piece, after_stick=not piece.sticks)
         return tuple(pieces)
+
+    def called(self) -> tuple[str, str]:
+        """Return what happens at the border, and its name in the literature."""
+        return names_of(self)
 
     # -- the equations -----------------------------------------------------------------------------
 
@@ -578,6 +587,8 @@ class ClosedForm(BorderSystem):
     steady motion: |v| sqrt((k - m Omega^2)^2 + (c Omega)^2) >=
     |B0| Omega. The parameters `fixed` lie on the border; `orbit` is an orbit beside the border.
     """
+
+    is_refined = False
 
     def __init__(self, plane: BorderPlane, fixed: Parameters, orbit: Orbit) -> None:
         if abs(fixed.v1) <= abs(fixed.v2):

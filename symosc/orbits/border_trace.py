@@ -122,7 +122,7 @@ class Walk:
                     return self._end(NO_CONVERGENCE, message)
                 continue
             bend = (node.tangent - here.tangent) / linear.norm(node.z - here.z)
-            bound = self._crossed_bound(node)
+            bound = self._crossed_bound(here, node)
             if bound is not None:
                 node = self._node_at(bound, here, node)
             self._add_folds(here, node)
@@ -149,13 +149,17 @@ class Walk:
             return None
         return node
 
-    def _crossed_bound(self, node: Node) -> Bound | None:
-        """Return the bound of the range beyond which a node is, or None."""
-        ranges = zip(node.z[-2:], self.low, self.high, strict=True)
-        for j, (value, low, high) in enumerate(ranges):
+    def _crossed_bound(self, here: Node, node: Node) -> Bound | None:
+        """Return the bound of the range that lies between two nodes, the first one of several, or
+        None.
+        """
+        crossed = list[tuple[float, Bound]]()
+        ranges = zip(here.z[-2:], node.z[-2:], self.low, self.high, strict=True)
+        for j, (before, value, low, high) in enumerate(ranges):
             if not low - BOUND_ROUNDING <= value <= high + BOUND_ROUNDING:
-                return Bound(j, float(low if value < low else high))
-        return None
+                bound = Bound(j, float(low if value < low else high))
+                crossed.append((float((bound.value - before) / (value - before)), bound))
+        return min(crossed, default=(0.0, None))[1]
 
     def _node_at(self, bound: Bound, here: Node, node: Node) -> Node:
         """Return the node at a bound between two nodes; `here` if it is not found."""

@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import cached_property
 from math import exp, inf, sqrt
 from typing import NamedTuple
 
@@ -78,6 +77,11 @@ class ItineraryLeg(NamedTuple):
     end: LegEnd
     edge: int
     rises: bool
+
+    @property
+    def side(self) -> int:
+        """1 if a flight ends at its edge from below, -1 from above."""
+        return 1 if self.rises else -1
 
 
 class PointOnWay(NamedTuple):
@@ -201,58 +205,91 @@ class Itinerary:
             return self.section
         return law.speeds[self.start]
 
-    @cached_property
-    def returns(self) -> dict[int, int]:
-        """For a leg that crosses an edge, the first leg after it that comes back there."""
-        found = dict[int, int]()
-        for i, leg in enumerate(self.legs):
-            if leg.sticks or leg.end is not LegEnd.EDGE:
-                continue
-            for j in range(i + 1, len(self.legs)):
-                later = self.legs[j]
-                if later.sticks:
-                    break
-                if later.edge == leg.edge:
-                    found[i] = j
-                    break
-        return found
-
     def follow(self, law: LawInDoubles, t: float, x: float) -> MotionOnWay | None:
         """Return the motion along the itinerary from its start at a time and a position; None if a
         leg has no end.
 
-        Where the velocity no longer reaches a corner that the motion only just went beyond, the legs
-        beyond it are left out.
+        Where the velocity only just goes beyond a corner of friction and turns back, the legs beyond
+        it come and go: they are left out where it does not reach the corner, and put in where it
+        does.
         """
-        v = self.speed(law)
-        here = PointOnWay(t, x, v, 0.0, (1.0, 0.0), (0.0, 1.0), (0.0, 0.0))
-        legs = list[ItineraryLeg]()
-        spans = list[float]()
-        starts = list[PointOnWay]()
+        here = PointOnWay(t, x, self.speed(law), 0.0, (1.0, 0.0), (0.0, 1.0), (0.0, 0.0))
+        waiting = list(zip(self.legs, self.spans, strict=True))
+        done = list[tuple[ItineraryLeg, float, PointOnWay]]()
         growth = 1.0
-        i = 0
-        carried = 0.0  # the time that legs left out took
-        while i < len(self.legs):
-            leg = self.legs[i]
-            after = leg_end(law, leg, here, self.spans[i] + carried, self.section)
-            if after is None:
-                if i not in self.returns:
-                    return None
-                back = self.returns[i]
-                carried += sum(self.spans[i : back + 1])
-                i = back + 1
+        while waiting:
+            leg, guess = waiting.pop(0)
+            beyond = _legs_beyond(law, leg, here, guess, done[-1][0] if done else None)
+            if beyond:
+                waiting = [*beyond, *waiting]
                 continue
-            legs.append(leg)
-            spans.append(after.t - here.t)
-            starts.append(here)
-            following = self.legs[(i + 1) % len(self.legs)]
-            growth *= growth_of_areas(law, leg, following, spans[-1], after)
-            if following.sticks and i + 1 < len(self.legs):
+            after = leg_end(law, leg, here, guess, self.section)
+            if after is None:
+                back = _return_to(leg, waiting)
+                if back < 0:
+                    return None
+                late = guess + sum(span for _, span in waiting[: back + 1])
+                (later, span), *waiting = waiting[back + 1 :]
+                waiting.insert(0, (later, late + span))
+                continue
+            following = waiting[0][0] if waiting else self.legs[0]
+            span = after.t - here.t
+            growth *= growth_of_areas(law, leg, following, span, after)
+            done.append((leg, span, here))
+            if following.sticks and waiting:
                 after = after._replace(v=law.speeds[following.band], dv=(0.0, 0.0))
             here = after
-            carried = 0.0
-            i += 1
-        return MotionOnWay(here, tuple(legs), tuple(spans), tuple(starts), growth)
+        legs, spans, starts = zip(*done, strict=True)
+        return MotionOnWay(here, legs, spans, starts, growth)
+
+
+def _return_to(leg: ItineraryLeg, later: list[tuple[ItineraryLeg, float]]) -> int:
+    """Return the number of the first of the legs after one that crosses an edge which comes back to
+    this edge; -1 if none does before the next stick, or nothing comes after it.
+    """
+    if leg.sticks or leg.end is not LegEnd.EDGE:
+        return -1
+    for j, (other, _) in enumerate(later[:-1]):
+        if other.sticks:
+            return -1
+        if other.end is LegEnd.EDGE and other.edge == leg.edge:
+            return j
+    return -1
+
+
+def _legs_beyond(
+    law: LawInDoubles,
+    leg: ItineraryLeg,
+    here: PointOnWay,
+    guess: float,
+    before: ItineraryLeg | None,
+) -> list[tuple[ItineraryLeg, float]]:
+    """Return the legs in place of one that comes back to the corner from where it begins, if its
+    velocity turns beyond the next corner; else nothing.
+    """
+    if before is None or leg.sticks or before.sticks:
+        return []
+    if (before.end, leg.end, before.edge) != (LegEnd.EDGE, LegEnd.EDGE, leg.edge):
+        return []
+    far = leg.band - 1 if leg.rises else leg.band
+    if before.rises == leg.rises or not 0 <= far < len(law.edges) or law.edges[far].belt:
+        return []
+    turn = leg_end(law, leg._replace(end=LegEnd.TURN), here, guess / 2, 0.0)
+    if turn is None:
+        return []
+    above = turn.v - law.speeds[far]
+    if above == 0.0 or (above > 0.0) == leg.rises:
+        return []
+    K, _ = law.band(leg.band)
+    bend = next_derivative(0.0, turn.v, K.fB * sin(K.Om * turn.t), K.cm, K.w0sq)
+    half = sqrt(2.0 * abs(_ratio(above, bend)))
+    to_corner = max(turn.t - here.t - half, 0.0)
+    there = -1 if leg.rises else 1
+    return [
+        (leg._replace(edge=far, rises=not leg.rises), to_corner),
+        (leg._replace(band=leg.band + there, edge=far), 2.0 * half),
+        (leg, to_corner),
+    ]
 
 
 def growth_of_areas(
@@ -403,6 +440,15 @@ def _flown(K: Constants, A: float, here: PointOnWay, tau: float) -> PointOnWay:
     *responses, _, _ = basis(tau, K)
     gained = motion(*launch, K.cm, K.w0sq, K.f0, K.Om, *responses)
     return _changed(K, here, launch, responses, tau, gained)
+
+
+def flown_in(law: LawInDoubles, leg: ItineraryLeg, start: PointOnWay, tau: float) -> PointOnWay:
+    """Return where the flight of a leg is after a time."""
+    K, A = law.band(leg.band)
+    while tau > K.chunk:
+        start = _flown(K, A, start, K.chunk)
+        tau -= K.chunk
+    return _flown(K, A, start, tau)
 
 
 def _sum(first: Sequence[float], second: Sequence[float], factor: float) -> tuple[float, float]:

@@ -13,6 +13,7 @@ import numpy as np
 from symosc.base.errors import ParameterError, SymoscError
 from symosc.orbits.admissibility import Condition
 from symosc.orbits.closing_equations import ConvergenceError
+from symosc.orbits.law_border import ONSET
 from symosc.orbits.law_curve import CurvePoint, LawCurve, LawCurveEnd
 from symosc.orbits.law_margins import margins
 from symosc.orbits.settling import settled_orbit_of
@@ -51,10 +52,10 @@ def end_of(curve: LawCurve, points: list[CurvePoint], end: LawCurveEnd) -> LawEn
         return LawEnd("closed curve", end.value, "the branch comes back to its beginning", (), None)
     if end.why == "shrunk":
         message = "the cycle shrinks to a rest, at a corner of the friction curve"
-        return LawEnd("onset at a corner", end.value, message, (), None)
+        return LawEnd(ONSET, end.value, message, (), None)
     if end.why == "family":
         message = "the cycle stays in a band without damping, and so does every smaller one"
-        return LawEnd("onset at a corner", end.value, message, (), None)
+        return LawEnd(ONSET, end.value, message, (), None)
     last = points[-1]
     found = margins(last.orbit)
     vanished = tuple(margin for margin in found if margin.value < VANISHED * margin.scale)

@@ -702,7 +702,7 @@ def _write_words_beside(ax: Axes, border: Border) -> None:
     # Seven points evenly along the border, without its ends.
     i = max((len(border) * eighth // 8 for eighth in range(1, 8)), key=room)
     for word, neighbour in zip(border.words, border.beside(i, "1e-3"), strict=True):
-        coordinates = [float(getattr(neighbour, name)) for name in border.parameters]
+        coordinates = [float(neighbour.numbers()[name]) for name in border.parameters]
         direction = ax.transData.transform(coordinates) - ax.transData.transform(border.points[i])
         x, y = WORD_OFFSET * direction / np.linalg.norm(direction)
         if abs(x) < WORD_OFFSET / 2:

@@ -265,7 +265,7 @@ def test_branches_are_tables_and_pictures() -> None:
          "a word is required"),
         (lambda: continue_orbit(BROKEN, None, "v1", (0.9, 1.1), find_orbit(BROKEN, x0="0.48")),
          BranchError, "a rest at x"),
-        (lambda: symosc.continue_border(short_branch(), 1, "mu1", (0, 1)), ParameterError, "static"),
+        (lambda: symosc.continue_border(short_branch(), 1, "mu1", (0, 1)), ParameterError, "border"),
         (lambda: symosc.certify(short_branch()), ParameterError, "static friction of belt 1"),
     ],
 )  # fmt: skip

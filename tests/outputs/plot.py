@@ -167,7 +167,7 @@ def border(kind: str, *points: tuple[float, float], **changes: Any) -> Border:
     found = copy(answer("border"))
     found.points, found.sliding = np.array(points, float), kind
     found.errors = np.full_like(found.points, 1e-12)
-    found.words, found.special = ("P32", None), ()
+    found._words, found.special = ("P32", None), ()
     for name, value in changes.items():
         setattr(found, name, value)
     return found
@@ -182,7 +182,7 @@ SPECIAL = (
 @cache
 def borders() -> list[Border]:
     across = border(
-        "adding-sliding", (8, 3.1), (11, 3.5), parameters=("FN", "Omega"), words=("P132", "P32")
+        "adding-sliding", (8, 3.1), (11, 3.5), parameters=("FN", "Omega"), _words=("P132", "P32")
     )
     return [
         border("grazing-sliding", (3.1, 9), (3.3, 10), (3.6, 10.5), special=SPECIAL),
