@@ -152,12 +152,12 @@ def number(value, where):
 
 
 def interval(value, where):
-    """Read a list of two texts as the lower and the upper end of an enclosure.
+    """Read a list of two texts as the lower and the upper end of an enclosure, which is open.
 
     `where` names the entry of the file.
     """
     low, high = read(value, (number, number), where)
-    check(low < high or low == high == 0, f"{where}: the lower end is not below the upper one", BAD)
+    check(low < high, f"{where}: the lower end is not below the upper one", BAD)
     return low, high
 
 

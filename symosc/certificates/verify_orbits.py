@@ -188,6 +188,13 @@ def end_of_branch(value, where):
     return base.read(value, shape, where)
 
 
+def part_of_multiplier(value, where):
+    """Read an enclosure of the real or imaginary part of a multiplier; two zeros: it is exactly 0."""
+    if value == ["0", "0"]:
+        return number("0", where), number("0", where)
+    return interval(value, where)
+
+
 def border_points(value, where):
     """Read the points of all borders in an atlas, sorted by the first parameter.
 
@@ -219,7 +226,10 @@ base.SHAPES["orbit"] = (
         "events": [base.WHAT | {"t": interval, "x": interval, "reach": number}],
         "alone_within": (number, number),
     }
-    | {"multipliers": ({"re": interval, "im": interval},) * 2, "stable": {True, False, None}}
+    | {
+        "multipliers": ({"re": part_of_multiplier, "im": part_of_multiplier},) * 2,
+        "stable": {True, False, None},
+    }
 )
 base.LAW_SHAPES["orbit"] = lambda what: (
     base.SHAPES["orbit"]

@@ -126,7 +126,7 @@ def _margins(orbit: FollowedOrbit, with_sticks: bool) -> Iterator[Condition]:
             yield Condition(i, text, onward, end + lag, BIRTH, PASSING, pace)
         elif after.kind == "stick":
             text = f"belt {after.boundary} holds the mass after {name}"
-            yield Condition(i, text, -onward, end + lag, VANISHING, PASSING, pace)
+            yield Condition(i, text, -onward, end + lag, SLIP_BIRTH, PASSING, pace)
 
 
 def _turns(

@@ -409,6 +409,9 @@ ROWS: dict[str, Row] = {
     "the event that closes an orbit": Row(
         (('check(steps[0] == steps[-1], "', 'check(True, "'),), laws.other_way_in, verify_orbits
     ),
+    "open intervals": Row(
+        (("check(low < high, f", "check(low <= high, f"),), laws.cycle_between_0_and_0
+    ),
     "the least cycle": Row(
         dropped("no part of the cycle is all of it"), laws.twice_round_a_cycle, verify_orbits
     ),

@@ -234,6 +234,29 @@ def test_a_slip_is_born_and_static_friction_leaves_no_orbit_near() -> None:
         find_orbit(driven("0.98").replace(B0=end.value + 1e-7), "S1 B1", last)
 
 
+def test_where_a_belt_no_longer_holds_what_arrives_a_slip_is_born() -> None:
+    """The stick does not become short; beyond the end the mass first flies on for a while."""
+    curve = [(0, "0.403"), ("0.28", "0.469"), ("0.4", "0.17"), ("1.08", "0.109"), ("1.42", "0.047")]
+    second = [
+        (0, "0.679"),
+        ("0.69", "0.108"),
+        ("0.87", "0.586"),
+        ("1.54", "0.146"),
+        ("2.31", "0.692"),
+    ]
+    belts = [
+        Belt("0.39", mu="0.159", slope="0.157", mu_s="0.287"),
+        Belt("1.03", curve=curve, slope="0.003"),
+        Belt("1.39", curve=second, slope="0.13", mu_s="0.947"),
+    ]
+    p = Oscillator(m=1, c="0.093", k=1, A0="0.472", belts=belts)
+    branch = continue_orbit(p, "S1 B1", "mu_s1", ("0.24", "0.29"))
+    end = branch.ends[0]
+    assert (end.kind, end.beyond) == ("birth of a slip", "B1∘S1∘A1")
+    arrival = end.points[1].t
+    assert arrival < branch.spans[0] - 1  # the rest of the period the mass sticks
+
+
 @pytest.mark.campaign
 def test_a_contracting_law_ends_as_its_plain_branch_does() -> None:
     """A curve with a slope next to none is, but for 1e-9, the law of the paper."""

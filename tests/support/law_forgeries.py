@@ -127,6 +127,15 @@ def other_way_in() -> Document:
     return put(document("law-orbit stick-slip"), "events", 0, "source", "Omega2")
 
 
+def cycle_between_0_and_0() -> Document:
+    """A cycle that begins at t = 0, of which an open interval from 0 to 0 is stated."""
+    whole = document("law-orbit stick-slip")
+    rows = whole["events"]
+    begin = sum(map(Fraction, rows[0]["t"])) / 2
+    shifted = [row | {"t": moved(row["t"], -begin)} for row in rows]
+    return whole | {"events": [shifted[0] | {"t": ["0", "0"]}, *shifted[1:]]}
+
+
 def twice_round_a_cycle() -> Document:
     whole = document("law-orbit stick-slip")
     rows = whole["events"]
