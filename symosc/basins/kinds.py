@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 
 from symosc.base.display.drawable import Comparable
 from symosc.model import Model, Oscillator, Parameters
+from symosc.orbits.rests import rests_of
 
 
 def oscillator_of(model: Model) -> Oscillator:
@@ -57,30 +57,12 @@ class Rest:
 
 def rest_of(model: Model) -> Rest | None:
     """Return where the mass may rest whatever the drive does; None if nowhere."""
-    law = oscillator_of(model)
-    if law.k == 0:
+    rests = rests_of(model)
+    if rests is None:
         return None
-    below, above = forces_at_rest(law)
-    belt = law.law.boundary_of(0)
-    if belt:
-        excess = law.law.excess(belt)
-    else:
-        excess = 0 * law.k
-    drive = abs(law.B0)
-    low = above - excess + drive
-    high = below + excess - drive
-    if low > high:
-        return None
-    if not (below - above or excess):
-        belt = 0
-    return Rest(float(low / law.k), float(high / law.k), belt)
-
-
-def forces_at_rest(law: Oscillator) -> tuple[Fraction, Fraction]:
-    """Return the constant forces on the mass at velocities just below and just above 0."""
-    band_below = next(band for band in law.bands if band.above is None or band.above >= 0)
-    band_above = next(band for band in reversed(law.bands) if band.below is None or band.below <= 0)
-    return band_below.A, band_above.A
+    law = model.law
+    holds = rests.belt and (law.kinetic(rests.belt) or law.excess(rests.belt))
+    return Rest(float(rests.low), float(rests.high), rests.belt if holds else 0)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -11,6 +11,13 @@ chunks of forcing periods, and those that are decided are dropped:
   nearer, leads to it.
 - What recurs never, to the end, is compared by its clouds of section points. What a cloud is, chaos
   or a torus, decides a long motion in it (`symosc.orbits.unsettled`). Everything else is undecided.
+
+`symosc.orbits.settling` answers another question with the same verdicts on rests, chaos and tori: to
+which orbit one motion settles. It makes the orbit first, from a motion that nearly repeats itself,
+and its multipliers say how long the motion has to be followed until it is nearer. Here thousands of
+motions are compared with few orbits, of which only neighbourhoods are known, and multipliers never
+needed: a neighbourhood decides all motions in it at once. So candidates must be closer here, and the
+tolerances differ.
 """
 
 from __future__ import annotations

@@ -2,7 +2,8 @@
 
 A motion is looked at once a forcing period, or without a drive whenever it turns back. What it
 repeats is a candidate; `orbit_near` makes an orbit of it. That the motion settles there is said only
-if the motion comes nearer to it, or is on it already.
+if the motion comes nearer to it, or is on it already. Of many motions under a drive
+`symosc.basins.recurrence` decides, by neighbourhoods of orbits and without their multipliers.
 """
 
 from __future__ import annotations
