@@ -152,7 +152,7 @@ def test_links_on_a_package_index_are_absolute() -> None:
     assert address == noxfile.repository_address("https://example.org/somebody/symosc")
     text = noxfile.with_absolute_links(README, address, "v9.8.7")
     targets = re.findall(r"\]\(([^)\s]+)\)", text)
-    assert len(targets) == len(re.findall(r"\]\(([^)\s]+)\)", README)) >= 20
+    assert len(targets) == len(re.findall(r"\]\(([^)\s]+)\)", README)) > 15
     assert all(target.startswith("https://") for target in targets)
     assert f"![The machine: {README.partition('![The machine: ')[2].partition(']')[0]}]" in text
     for part in ("raw/v9.8.7/docs/machine.svg", "blob/v9.8.7/CHANGELOG.md", "issues"):
