@@ -411,8 +411,11 @@ class StatedOscillator:
     def __init__(self, p, limits):
         check_range(p)
         self.p = p
-        self.law = StatedLaw(p)
         self.limits = limits
+        corners = 2 * sum(len(belt["curve"]) - 1 for belt in belts_of(p))
+        if corners:  # a step for the band behind each of them
+            self.step(corners)
+        self.law = StatedLaw(p)
         self.mode = cache(lambda i: Mode(p, self.law, i))
 
     def step(self, count=1):

@@ -568,6 +568,8 @@ def _branch_of_law(
         for direction in (-1.0, 1.0):
             curve = LawCurve(orbit, parameter, low, high)
             path, events, end = curve.follow(direction, most, advance)
+            if not path:
+                raise BranchError(orbit, f"; it cannot be followed over {parameter} from here")
             ways.append((path, events, end_of(curve, path, end)))
             if end.why == "closed":
                 break

@@ -257,6 +257,15 @@ def test_where_a_belt_no_longer_holds_what_arrives_a_slip_is_born() -> None:
     assert arrival < branch.spans[0] - 1  # the rest of the period the mass sticks
 
 
+def test_a_branch_that_cannot_be_begun_says_so() -> None:
+    """A corner of the upper belt is at the speed of the lower one, and only one of them moves."""
+    upper = Belt("1.1", curve=[(0, "0.659"), ("0.63", "0.328")], slope="0.22")
+    belts = [Belt("0.47", mu="0.282", slope="0.002", mu_s="0.668"), upper]
+    p = Oscillator(m=1, c="0.271", k=1, B0="2.696", Omega="1.94", belts=belts)
+    with pytest.raises(BranchError, match="cannot be followed over v1 from here"):
+        continue_orbit(p, None, "v1", ("0.4", "0.5"))
+
+
 @pytest.mark.campaign
 def test_a_contracting_law_ends_as_its_plain_branch_does() -> None:
     """A curve with a slope next to none is, but for 1e-9, the law of the paper."""
