@@ -34,7 +34,7 @@ SETTLING_LOOPS = (60, 600, 4_000)
 #: Events of a motion that is followed, at most.
 MOST_EVENTS = 400_000
 #: The most loops of an orbit that a motion settles to.
-LONGEST = 32
+LONGEST = 1_000
 #: A motion that is this near to where it was, as parts of its size and speed, may repeat itself.
 REPEATS = 1e-3
 #: Candidates from one stretch of a motion, at most.
