@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cli_runs import run
-from other_models import drawn
+from other_models import Original, drawn
 
 from symosc import Belt, OtherModel, ParameterError, Scene, fit, load_scene, simulate
 from symosc.derivatives.other_models import model_sensitivities
@@ -104,6 +104,18 @@ def test_the_models_numbers_are_recovered(scene: Scene, start: dict[str, float],
     assert float(found.trajectory.t_start) == float(right.t_start)
     times = np.linspace(float(right.t_start), float(found.trajectory.t_end), 50)[:-1]
     assert np.abs(found.trajectory(times) - right(times))[0].max() < 0.02
+
+
+def test_the_models_own_equation_is_fitted() -> None:
+    """The data come from an integrator that knows the equation of the model, and no reduction."""
+    assert BASE.original is not None
+    _, state = Original(BASE.original.model).follow(1.0, 0.5, 0.0, 30.0)
+    times = np.linspace(1.1, 29.9, 150)
+    x, v = np.array([state(time) for time in times]).T
+    names = ("Y", "c", "FN", "Y_phase", "x0")
+    found = fit(BASE, {"t": times, "x": x, "v": v}, names, start={"Y": 0.97, "c": 0.21})
+    assert found.success, found.message
+    assert list(found.values.values()) == pytest.approx(truth(BASE, names), abs=1e-9)
 
 
 def test_errors_are_those_of_many_measurements_of_a_block() -> None:

@@ -64,7 +64,7 @@ class Fit(Comparable, Drawable):
     message : str
         How much work it was; or why the fit is no success.
     trajectory : Trajectory
-        The motion with the fitted numbers.
+        The motion with the fitted numbers; of another model, in the coordinates of that model.
     outliers : tuple of Outlier
         Data that the motion does not describe although it describes the others, the worst first.
 
@@ -158,6 +158,14 @@ def fit(
     >>> found = fit("fig5", data, "mu1", sigma=1e-4)
     >>> abs(found.values["mu1"] - 0.8) < 3 * found.errors["mu1"]
     True
+
+    How fast the spring of a block is pulled, from when this slips and stops:
+
+    >>> from symosc import Belt, OtherModel
+    >>> block = OtherModel(m=1, k=2, Omega=1, FN=1, pull="1/9", belts=[Belt(0, "1/2", mu_s="4/5")])
+    >>> found = fit(block, [(4.0, "slip"), (6.8444, "stick"), (9.8444, "slip")], "pull", sigma=1e-3)
+    >>> round(found.values["pull"], 3), found.success
+    (0.1, True)
     """
     scene = problem_of(what, "what", any_law=True)
     require(SOLUTION, data=data)
