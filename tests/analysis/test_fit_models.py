@@ -11,7 +11,7 @@ from cli_runs import run
 from other_models import Original, drawn
 
 from symosc import Belt, OtherModel, ParameterError, Scene, fit, load_scene, simulate
-from symosc.derivatives.other_models import model_sensitivities
+from symosc.analysis.fitting.other_models import model_sensitivities
 from symosc.reductions import numbers_of, with_numbers
 from symosc.scenes import STARTS, as_toml
 
@@ -154,6 +154,8 @@ def test_what_cannot_be_fitted_is_refused() -> None:
         fit(weight, data, "FN")
     with pytest.raises(ParameterError, match=r"slope1.*begin with start="):
         fit(BLOCK, data, "slope1")
+    with pytest.raises(ParameterError, match="different names"):
+        fit(BASE, data, ("Y", "Y"))
     with pytest.raises(ParameterError, match=r"Y = .*there is a drive.*vanishes"):
         fit(BLOCK, data, "Y")
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from symosc.analysis.fitting.coordinates import Coordinates
 from symosc.analysis.fitting.measured import Measured
+from symosc.analysis.fitting.other_models import ModelSensitivities, model_sensitivities
 from symosc.base.errors import ParameterError
-from symosc.derivatives.other_models import ModelSensitivities, model_sensitivities
 from symosc.derivatives.sensitivities import Sensitivities, sensitivities
 from symosc.engine.start import Start
 from symosc.model import Model

@@ -28,7 +28,7 @@ from symosc.reductions import (
     with_numbers,
 )
 from symosc.scenes import STARTS, Original, Scene
-from symosc.simulation.tangents import names_of
+from symosc.simulation.tangents import names_of, read_wrt
 from symosc.simulation.trajectory import MovedTrajectory, Trajectory
 
 #: The step of differences, relative to a number or, if that is less than 1, absolute: its square
@@ -106,15 +106,16 @@ class ReductionSlopes:
 def model_sensitivities(scene: Scene, wrt: Sequence[str]) -> ModelSensitivities:
     """Differentiate the motion of a scene of another model by numbers of the model and its start.
 
-    Raises ParameterError if the reduction is not smooth: where the drive vanishes, a number may
-    move its phase at will.
+    Raises ParameterError if a name is unknown or given twice, or if the reduction is not smooth:
+    where the drive vanishes, a number may move its phase at will.
     """
     assert scene.original is not None
+    wrt = read_wrt(wrt, (*numbers_of(scene.original.model), *STARTS))
     slopes = reduction_slopes(scene.original, wrt)
     reduced = sensitivities(scene.reduced(), slopes.names)
     motion = MovedTrajectory(reduced.trajectory, scene.original)
     return ModelSensitivities(
-        motion, tuple(wrt), reduced.dt @ slopes.jacobian + slopes.delay, reduced, slopes
+        motion, wrt, reduced.dt @ slopes.jacobian + slopes.delay, reduced, slopes
     )
 
 
