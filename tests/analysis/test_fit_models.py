@@ -118,6 +118,18 @@ def test_the_models_own_equation_is_fitted() -> None:
     assert list(found.values.values()) == pytest.approx(truth(BASE, names), abs=1e-9)
 
 
+def test_first_values_that_are_far_off_and_an_outlier() -> None:
+    data = noisy(BASE, "events", 7)
+    first = {"Omega": 1.6, "Y": 1.2}
+    found = fit(BASE, data, ("Omega", "Y"), sigma=SIGMA, start=first)
+    assert found.success, found.message
+    assert abs(found.values["Omega"] - 1.5) < 4 * found.errors["Omega"]
+    t, kind = data[4]
+    data[4] = (t + 0.2, kind)
+    found = fit(BASE, data, "Y", sigma=SIGMA, robust=True)
+    assert [(outlier.row, outlier.what) for outlier in found.outliers] == [(4, kind)]
+
+
 def test_errors_are_those_of_many_measurements_of_a_block() -> None:
     names = ("pull", "mu1")
     right = truth(BLOCK, names)
