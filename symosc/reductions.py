@@ -17,7 +17,7 @@ delay that is hypot(P, Q) cos(Omega s).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cache, cached_property
@@ -133,7 +133,7 @@ class OtherModel:
     m x'' + c (x' - y') + k (x - y) = A0 + m g sin(angle) + B0 cos(Omega t + phase) + friction, with
     the base y = Y cos(Omega t + Y_phase) + pull t, and belts with the speeds v1 + w' and v2 + w'.
     Functions that take Parameters take such a model too and work on the oscillator that it is;
-    `simulate` and `frequency_response` give their results in the coordinates of the model.
+    `simulate`, `fit` and `frequency_response` give their results in the coordinates of the model.
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ class OtherModel:
         """Read the belts; ParameterError if those of the paper are given too."""
         object.__setattr__(self, "belts", read_belts(self.belts))
         for field in fields(self):
-            if field.name in ("v1", "v2", "mu1", "mu2"):
+            if field.name in BELT_NUMBERS:
                 value = getattr(self, field.name)
                 if value != field.default:
                     allowed = "must be omitted if belts are given"
@@ -273,27 +273,35 @@ class OtherModel:
         return harmonic(self.B0, self.phase)
 
     @cached_property
-    def _drive(self) -> tuple[Fraction, Fraction, bool]:
-        """The drive R cos(Omega t - psi) of the reduced oscillator: R, psi, and whether both are
-        exact.
-        """
+    def drive(self) -> Harmonic:
+        """The drive P cos(Omega t) + Q sin(Omega t) of the reduced oscillator."""
         shift_rate = self.shift.rate(self.Omega)
         shift = self.shift
         base = self.base
         # The right side of the equation for z in the module's docstring.
         drive = self.force.plus(base.rate(self.Omega), self.c).plus(base, self.k)
-        return polar(
+        return (
             drive.plus(shift_rate.rate(self.Omega), -self.m)
             .plus(shift_rate, -self.c)
             .plus(shift, -self.k)
         )
+
+    @cached_property
+    def _drive(self) -> tuple[Fraction, Fraction, bool]:
+        """The drive as R cos(Omega t - psi): R, psi, and whether both are exact."""
+        return polar(self.drive)
+
+    @property
+    def lag(self) -> Fraction:
+        """The phase psi of the drive R cos(Omega t - psi)."""
+        return self._drive[1]
 
     @property
     def delay(self) -> Fraction:
         """The constant shift of time: the time of this model minus that of symosc's oscillator at
         the same instant.
         """
-        return self._drive[1] / self.Omega
+        return self.lag / self.Omega
 
     @cached_property
     def exact(self) -> bool:
@@ -457,6 +465,51 @@ def reduced_model(model: OtherModel) -> Model:
     return model.parameters
 
 
+def number_names(model: OtherModel) -> tuple[str, ...]:
+    """Return the names of the numbers that a model may have, with those of its belts."""
+    if not model.belts:
+        return NUMBER_NAMES
+    own = [name for name in NUMBER_NAMES if name not in BELT_NUMBERS]
+    numbers = _belts_alone(model).numbers()
+    return (*own, *(name for name in numbers if name not in OSCILLATOR_NAMES))
+
+
+def numbers_of(model: OtherModel) -> dict[str, Fraction]:
+    """Return the numbers that a model has, by the names of `number_names`: without FN if that is
+    the weight, and without those of a second belt if there is none.
+    """
+    if model.belts:
+        numbers = _belts_alone(model).numbers()
+    else:
+        numbers = {name: getattr(model, name) for name in BELT_NUMBERS}
+        if model.v2 is None:
+            del numbers["v2"]
+            del numbers["mu2"]
+    for name in NUMBER_NAMES:
+        if name not in BELT_NUMBERS:
+            numbers[name] = getattr(model, name)
+    if model.FN is None:
+        del numbers["FN"]
+    return {name: numbers[name] for name in number_names(model) if name in numbers}
+
+
+def with_numbers(model: OtherModel, changes: Mapping[str, Any]) -> OtherModel:
+    """Return a model with other numbers, by the names of `number_names`."""
+    own = dict(changes)
+    of_belts = {}
+    for name in changes:
+        if model.belts and (name not in NUMBER_NAMES or name in BELT_NUMBERS):
+            of_belts[name] = own.pop(name)
+    if of_belts:
+        own["belts"] = _belts_alone(model).replace(**of_belts).belts
+    return model.replace(**own)
+
+
+def _belts_alone(model: OtherModel) -> Oscillator:
+    """Return an oscillator that has the belts of a model, and nothing else of it."""
+    return Oscillator(m=1, c=0, k=1, belts=model.belts)
+
+
 def motion_of_frame(model: OtherModel, t: Any) -> tuple[Any, Any]:
     """Return w + pull t, by which the model's position exceeds the oscillator's, and its rate."""
     w, rate = motion_of_belts(model, t)
@@ -481,7 +534,7 @@ def event_back(
     """
     number = number_like(t)
     context = getattr(t, "context", math)
-    theta = (theta + number(model._drive[1])) % (2 * context.pi)
+    theta = (theta + number(model.lag)) % (2 * context.pi)
     cos = context.cos(theta)
     sin = context.sin(theta)
     w = model.shift.at(cos, sin, number)
@@ -578,3 +631,5 @@ OtherModel.__init__ = public(OtherModel.__init__)  # type: ignore[method-assign]
 
 MODEL_NAMES = tuple(field.name for field in fields(OtherModel))
 NUMBER_NAMES = tuple(name for name in MODEL_NAMES if name not in ("joined", "belts"))
+#: The numbers for which `belts` stands.
+BELT_NUMBERS = ("v1", "v2", "mu1", "mu2")

@@ -43,7 +43,7 @@ from symosc.orbits.floquet import rest_positions
 from symosc.orbits.followed_orbit import FollowedOrbit
 from symosc.orbits.periodic_orbit import PeriodicOrbit
 from symosc.orbits.settling import settled_orbit_of
-from symosc.reductions import NUMBER_NAMES, OtherModel, reduced_model
+from symosc.reductions import OtherModel, number_names, reduced_model, with_numbers
 from symosc.scenes import Scene, problem_of
 from symosc.simulation.simulate import simulate
 from symosc.simulation.tables import Columns
@@ -221,7 +221,7 @@ def frequency_response(
             "over", over, 'must be one parameter with its values, such as {"Omega": "0.5:2:100"}'
         )
     ((name, axis),) = over.items()
-    known = _names_of(model)
+    known = number_names(model)
     if name not in known:
         allowed = f"is not a parameter of the model; choose one of {', '.join(known)}"
         raise ParameterError("over", name, allowed + meant(str(name), known))
@@ -230,7 +230,7 @@ def frequency_response(
             "pull", show(model.pull), "must be 0: the motion of a pulled spring is not periodic"
         )
     values = read_axis(name, axis)
-    if is_of_paper(reduced_model(_changed(model, name, values[0].item()))):
+    if is_of_paper(reduced_model(with_numbers(model, {name: values[0].item()}))):
         if direction is not None:
             allowed = "must be omitted: under this law the settled motion is the only one"
             raise ParameterError("direction", direction, allowed)
@@ -247,7 +247,7 @@ def frequency_response(
             followed = _in_order(values, way)
             settled_at.append(followed)
             for value in followed.tolist():
-                changed = _changed(model, name, value)
+                changed = with_numbers(model, {name: value})
                 if way:
                     row, state = respond_from(changed, state)
                 else:
@@ -308,28 +308,6 @@ def _model_of(problem: Scene | Model | OtherModel) -> OtherModel:
         del numbers["v2"]
         del numbers["mu2"]
     return OtherModel(**numbers)
-
-
-def _names_of(model: OtherModel) -> tuple[str, ...]:
-    """Return the names over which a response may go."""
-    if not model.belts:
-        return NUMBER_NAMES
-    own = [name for name in NUMBER_NAMES if name not in ("v1", "v2", "mu1", "mu2")]
-    numbers = _of_belts(model).numbers()
-    return (*own, *(name for name in numbers if name not in OSCILLATOR_NAMES))
-
-
-def _of_belts(model: OtherModel) -> Oscillator:
-    """Return an oscillator that has the belts of a model, and nothing else of it."""
-    return Oscillator(m=1, c=0, k=1, belts=model.belts)
-
-
-def _changed(model: OtherModel, name: str, value: float) -> OtherModel:
-    """Return a model with another number, which may be that of a belt."""
-    is_of_belt = name not in NUMBER_NAMES or name in ("v1", "v2", "mu1", "mu2")
-    if model.belts and is_of_belt:
-        return model.replace(belts=_of_belts(model).replace(**{name: value}).belts)
-    return model.replace(**{name: value})
 
 
 def respond_from(

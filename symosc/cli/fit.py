@@ -14,7 +14,8 @@ from symosc.cli.options import Settings, Text, flag, option
 @click.argument("file")
 @option(
     "--free NAMES",
-    "What to fit: names of parameters, and t0, x0, v0, such as mu1,c.",
+    "What to fit: names of parameters, and t0, x0, v0, such as mu1,c; of the model in a file with "
+    "[model], such as Y,pull.",
     required=True,
 )
 @option(

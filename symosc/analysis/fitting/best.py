@@ -73,10 +73,9 @@ class Search:
     """
 
     def __init__(self, problem: FitProblem, first: np.ndarray) -> None:
-        speeds = [float(belt.v) for belt in problem.scene.parameters.law.belts]
         self.problem = problem
         self.first = first
-        self.digits = rounding(problem.measured, speeds)
+        self.digits = rounding(problem.measured, problem.belt_speeds)
         self.places = units(problem, self.digits)
         self.is_wide = False
         self.tolerant: Minimum | None = None

@@ -16,7 +16,7 @@ import numpy as np
 from symosc.analysis.fitting.best import Minimum, Search
 from symosc.analysis.fitting.judge import NAMED, FitVerdict, Outlier, outliers_of, strict, worst
 from symosc.analysis.fitting.measured import Measured, read_measured
-from symosc.analysis.fitting.problem import BEYOND, FitProblem
+from symosc.analysis.fitting.problem import BEYOND, FitProblem, ModelFitProblem
 from symosc.analysis.fitting.spread import Spread, spread_of
 from symosc.base.aliases import NumberLike, SceneName, SolutionLike
 from symosc.base.arguments import (
@@ -38,8 +38,9 @@ from symosc.base.exact import read_exact
 from symosc.base.quantities import NumberOfBelt, number_of_belt, read_number
 from symosc.engine.start import Start
 from symosc.model import Model, Oscillator
-from symosc.scenes import STARTS, Scene, scene_of
-from symosc.simulation.simulate import read_start
+from symosc.reductions import OtherModel, numbers_of, reduced_model, with_numbers
+from symosc.scenes import STARTS, Original, Scene, problem_of
+from symosc.simulation.simulate import read_problem
 from symosc.simulation.tables import counted
 from symosc.simulation.tangents import names_of
 from symosc.simulation.trajectory import Trajectory
@@ -63,7 +64,7 @@ class Fit(Comparable, Drawable):
     message : str
         How much work it was; or why the fit is no success.
     trajectory : Trajectory
-        The motion with the fitted numbers.
+        The motion with the fitted numbers; of another model, in the coordinates of that model.
     outliers : tuple of Outlier
         Data that the motion does not describe although it describes the others, the worst first.
 
@@ -97,7 +98,7 @@ class Fit(Comparable, Drawable):
 
 @public
 def fit(
-    what: Scene | Model | SceneName,
+    what: Scene | Model | OtherModel | SceneName,
     data: SolutionLike,
     free: str | Sequence[str] = ("mu1", "c"),
     *,
@@ -110,15 +111,17 @@ def fit(
 
     Parameters
     ----------
-    what : Scene, or its name or its file; Parameters or Oscillator
-        The motion; what is not free is kept. Parameters begin at rest at t = 0.
+    what : Scene, or its name or its file; Parameters, Oscillator or OtherModel
+        The motion; what is not free is kept. Parameters and models begin at rest at t = 0. For
+        another model data and fitted numbers are those of the model, in its coordinates.
     data : table, sequence of rows, solver result, or path of a file
         Columns t and kind ("cross", "stick", "slip" or "graze"), of events in any number; or t and
         x, or t, x and v, of samples. Rows are (t, kind) or (t, x) or (t, x, v). Files and names of
         columns such as time, pos and vel are read as `symosc.crosscheck` reads them.
     free : str or sequence of str
         Names of parameters, and t0, x0, v0. Those of an `Oscillator` are mu_s1, w1_1, mu1_1,
-        slope1 and so on. Numbers that must be in order, such as mu1 and mu_s1 or the points of a
+        slope1 and so on, those of an `OtherModel` its numbers and those of its belts: Y, pull,
+        phase and so on. Numbers that must be in order, such as mu1 and mu_s1 or the points of a
         curve, stay in order.
     sigma : number, or two for x and v, optional
         Standard deviation of the times of events, or of the positions (and velocities). None: from
@@ -155,8 +158,16 @@ def fit(
     >>> found = fit("fig5", data, "mu1", sigma=1e-4)
     >>> abs(found.values["mu1"] - 0.8) < 3 * found.errors["mu1"]
     True
+
+    How fast the spring of a block is pulled, from when this slips and stops:
+
+    >>> from symosc import Belt, OtherModel
+    >>> block = OtherModel(m=1, k=2, Omega=1, FN=1, pull="1/9", belts=[Belt(0, "1/2", mu_s="4/5")])
+    >>> found = fit(block, [(4.0, "slip"), (6.8444, "stick"), (9.8444, "slip")], "pull", sigma=1e-3)
+    >>> round(found.values["pull"], 3), found.success
+    (0.1, True)
     """
-    scene = scene_of(what, "what", any_law=True)
+    scene = problem_of(what, "what", any_law=True)
     require(SOLUTION, data=data)
     require(*NAMES, free=free)
     require_or_none(NUMBER, sequence_of(NUMBER), sigma=sigma)
@@ -169,23 +180,31 @@ def fit(
         names = tuple(free)
     _check_names(scene, names, start or {})
     sigmas = _sigma(sigma)
-    measured = replace(read_measured(data, columns, scene), weighted=sigma is not None)
+    timed = _with_own_times(scene)
+    measured = replace(read_measured(data, columns, timed), weighted=sigma is not None)
     problem = _problem(scene, names, measured, sigmas, start or {})
-    search = Search(problem, _first_values(problem))
+    search = Search(problem, problem.first_values())
     return _fit_of(search, robust)
 
 
+def _with_own_times(scene: Scene | Model | OtherModel) -> Scene | Model:
+    """Return a problem whose start and end are times of the data: those of another model are
+    later than those of its oscillator.
+    """
+    if isinstance(scene, OtherModel):
+        return reduced_model(scene)
+    if isinstance(scene, Scene) and scene.original is not None:
+        return replace(scene.reduced(), t0=scene.original.t0, t_end=scene.original.t_end)
+    return scene
+
+
 def _check_names(
-    scene: Scene | Model, names: tuple[str, ...], first: Mapping[str, NumberLike]
+    scene: Scene | Model | OtherModel, names: tuple[str, ...], first: Mapping[str, NumberLike]
 ) -> None:
     """Raise ParameterError unless the free numbers `names`, and those with `first` values, are
     numbers of the motion, and the latter are free.
     """
-    if isinstance(scene, Scene):
-        model: Model = scene.parameters
-    else:
-        model = scene
-    known = [*_all_names(model), *STARTS]
+    known = [*_all_names(scene), *STARTS]
     if not names:
         raise ParameterError("free", names, f"must be one or more of {', '.join(known)}")
     for argument, given_names in (("free", names), ("start", first)):
@@ -199,19 +218,30 @@ def _check_names(
             raise ParameterError("start", name, allowed)
 
 
-def _all_names(model: Model) -> list[str]:
-    """Return the names of all numbers that a model may have; of an `Oscillator` also the slopes of
-    curves that have none.
+def _all_names(scene: Scene | Model | OtherModel) -> list[str]:
+    """Return the names of all numbers that a model may have; of belts also the slopes of curves
+    that have none.
     """
-    names = list(model.numbers())
-    if isinstance(model, Oscillator):
-        slopes = (str(NumberOfBelt("slope", n)) for n in model.law.boundaries)
-        names += [name for name in slopes if name not in names]
-    return names
+    if isinstance(scene, OtherModel):
+        model: Model | OtherModel = scene
+    elif isinstance(scene, Model):
+        model = scene
+    elif scene.original is not None:
+        model = scene.original.model
+    else:
+        model = scene.parameters
+    if isinstance(model, OtherModel):
+        names = list(numbers_of(model))
+        belts = len(model.belts)
+    else:
+        names = list(model.numbers())
+        belts = len(model.belts) if isinstance(model, Oscillator) else 0
+    slopes = (str(NumberOfBelt("slope", n)) for n in range(1, belts + 1))
+    return names + [name for name in slopes if name not in names]
 
 
 def _problem(
-    scene: Scene | Model,
+    scene: Scene | Model | OtherModel,
     names: tuple[str, ...],
     measured: Measured,
     sigmas: np.ndarray,
@@ -224,17 +254,45 @@ def _problem(
     last_time = float(measured.t.max())
     changes: dict[str, Any] = dict.fromkeys((*STARTS, "t_end"))
     if not isinstance(scene, Scene):
-        # Parameters have no end, and `read_start` wants one: any time after the data.
+        # Parameters have no end, and `read_problem` wants one: any time after the data.
         changes["t_end"] = last_time + 1.0
-    start = _started(read_start(scene, changes, None), first)
+    start, original = read_problem(scene, changes, None)
+    if original is None:
+        start = _started(start, first)
+        t0 = start.t0
+    else:
+        original = _model_started(original, first)
+        # Any end after the start: the fit has its own.
+        original = original._replace(t_end=original.t0 + 1, start_error=None)
+        t0 = original.t0
+        start, _ = read_problem(_scene_of_model(original), {}, None)
     for name in names:
-        if name not in names_of(start.parameters):
+        is_of_belt = number_of_belt(name) is not None
+        if is_of_belt and name not in names_of(start.parameters):
             raise ParameterError("free", name, _why_not_free(name))
     extra = 0.0
     if measured.kinds is not None:
         # The event nearest to the last measured one may come after it.
-        extra = BEYOND * (last_time - float(start.t0))
-    return FitProblem(start, names, measured, sigmas, last_time + extra)
+        extra = BEYOND * (last_time - float(t0))
+    end = last_time + extra
+    if original is None:
+        return FitProblem(start, names, measured, sigmas, end)
+    return ModelFitProblem(start, names, measured, sigmas, end, original=original)
+
+
+def _scene_of_model(original: Original) -> Scene:
+    """Return the scene of another model's problem."""
+    numbers: dict[str, Any] = original._asdict()
+    return Scene("fit", numbers.pop("model"), **numbers)
+
+
+def _model_started(original: Original, first: Mapping[str, NumberLike]) -> Original:
+    """Return the problem of another model with first values in place of its own numbers."""
+    numbers = {name: value for name, value in first.items() if name not in STARTS}
+    begin: dict[str, Any] = {
+        name: read_number(name, first[name])[0] for name in STARTS if name in first
+    }
+    return original._replace(model=with_numbers(original.model, numbers), **begin)
 
 
 def _started(start: Start, first: Mapping[str, NumberLike]) -> Start:
@@ -255,13 +313,6 @@ def _why_not_free(name: str) -> str:
     if number is not None and number.quantity == "mu_s":
         return f'is equal to mu{number.belt}; begin above it with start={{"{name}": ...}}'
     return f'is 0, as friction does not depend on speed; begin with start={{"{name}": ...}}'
-
-
-def _first_values(problem: FitProblem) -> np.ndarray:
-    """Return the first values of the free numbers."""
-    scene = problem.scene
-    values = scene.parameters.numbers() | {name: getattr(scene, name) for name in STARTS}
-    return np.array([float(values[name]) for name in problem.names])
 
 
 def _fit_of(search: Search, robust: bool) -> Fit:

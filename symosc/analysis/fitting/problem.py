@@ -10,11 +10,13 @@ import numpy as np
 
 from symosc.analysis.fitting.coordinates import Coordinates
 from symosc.analysis.fitting.measured import Measured
+from symosc.analysis.fitting.other_models import ModelSensitivities, model_sensitivities
 from symosc.base.errors import ParameterError
 from symosc.derivatives.sensitivities import Sensitivities, sensitivities
 from symosc.engine.start import Start
 from symosc.model import Model
-from symosc.scenes import STARTS
+from symosc.reductions import numbers_of, with_numbers
+from symosc.scenes import STARTS, Original, Scene
 from symosc.simulation.simulate import simulate
 from symosc.simulation.trajectory import Trajectory
 
@@ -54,6 +56,17 @@ class FitProblem:
     end: float
     effort: Effort = field(default_factory=Effort)
     _last: tuple[tuple[float, ...], Evaluation] | None = field(default=None, repr=False)
+
+    def first_values(self) -> np.ndarray:
+        """Return the first values of the free numbers."""
+        scene = self.scene
+        values = scene.parameters.numbers() | {name: getattr(scene, name) for name in STARTS}
+        return np.array([float(values[name]) for name in self.names])
+
+    @cached_property
+    def belt_speeds(self) -> list[float]:
+        """The speeds of the belts, in the coordinates of the data."""
+        return [float(belt.v) for belt in self.scene.parameters.law.belts]
 
     @cached_property
     def coordinates(self) -> Coordinates:
@@ -98,8 +111,7 @@ class FitProblem:
         """Return the residuals with these values; infinite ones if no motion has them."""
         self.effort.motions += 1
         try:
-            p, start = self._motion(values)
-            motion = simulate(p, **start)
+            motion = self._simulated(values)
         except ParameterError:
             return np.full(len(self.weights), np.inf)
         residuals, _ = self._compare(motion, None)
@@ -114,23 +126,35 @@ class FitProblem:
             if last_key == key:
                 return last_evaluation
         self.effort.motions += 1
-        p, start = self._motion(values)
-        moved = sensitivities(p, self.names, **start)
+        moved = self._differentiated(values)
         residuals, slopes = self._compare(moved.trajectory, moved)
         evaluation = Evaluation(residuals, slopes, moved.trajectory)
         self._last = key, evaluation
         return evaluation
 
+    def _simulated(self, values: np.ndarray) -> Trajectory:
+        """Return the motion with these values."""
+        p, start = self._motion(values)
+        return simulate(p, **start)
+
+    def _differentiated(self, values: np.ndarray) -> Sensitivities | ModelSensitivities:
+        """Return the motion with these values and its derivatives by the free numbers."""
+        p, start = self._motion(values)
+        return sensitivities(p, self.names, **start)
+
+    def _texts(self, values: np.ndarray) -> dict[str, str]:
+        """Return the values by name, as texts: `replace` and `simulate` read them exactly."""
+        return dict(zip(self.names, map(repr, values.tolist()), strict=True))
+
     def _motion(self, values: np.ndarray) -> tuple[Model, dict[str, Any]]:
         """Return the parameters and the start with these values, as `simulate` takes them."""
-        # As texts: `replace` and `simulate` read them exactly.
-        new = dict(zip(self.names, map(repr, values.tolist()), strict=True))
+        new = self._texts(values)
         changes = {name: new[name] for name in self.names if name not in STARTS}
         start = {name: new.get(name, getattr(self.scene, name)) for name in STARTS}
         return self.scene.parameters.replace(**changes), {**start, "t_end": self.end}
 
     def _compare(
-        self, motion: Trajectory, moved: Sensitivities | None
+        self, motion: Trajectory, moved: Sensitivities | ModelSensitivities | None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return (motion - data) / sigma, and derivatives if `moved` has those of the motion."""
         if self.measured.states is None:
@@ -140,7 +164,7 @@ class FitProblem:
         return off / self.weights, slopes / self.weights[:, None]
 
     def _compare_states(
-        self, motion: Trajectory, moved: Sensitivities | None
+        self, motion: Trajectory, moved: Sensitivities | ModelSensitivities | None
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the motion minus the samples, and derivatives."""
         states = self.measured.states
@@ -182,6 +206,42 @@ class FitProblem:
             if changes is not None:
                 slopes[rows] = changes[nearest]
         return off, slopes
+
+
+@dataclass
+class ModelFitProblem(FitProblem):
+    """A fit of another model, in its own coordinates: `original` is the motion as it was given, and
+    `scene` that of the oscillator, whose friction has the same orders and bounds.
+    """
+
+    original: Original = field(kw_only=True)
+
+    def first_values(self) -> np.ndarray:
+        """Return the first values of the free numbers."""
+        original = self.original
+        values = numbers_of(original.model)
+        values |= {name: getattr(original, name) for name in STARTS}
+        return np.array([float(values[name]) for name in self.names])
+
+    @cached_property
+    def belt_speeds(self) -> list[float]:
+        """The mean speeds of the belts, in the coordinates of the data."""
+        pull = float(self.original.model.pull)
+        return [speed + pull for speed in super().belt_speeds]
+
+    def _simulated(self, values: np.ndarray) -> Trajectory:
+        return simulate(self._model_scene(values))
+
+    def _differentiated(self, values: np.ndarray) -> ModelSensitivities:
+        return model_sensitivities(self._model_scene(values), self.names)
+
+    def _model_scene(self, values: np.ndarray) -> Scene:
+        """Return the scene of the model with these values."""
+        new = self._texts(values)
+        changes = {name: new[name] for name in self.names if name not in STARTS}
+        start = {name: new.get(name, getattr(self.original, name)) for name in STARTS}
+        model: Any = with_numbers(self.original.model, changes)
+        return Scene("fit", model, **start, t_end=self.end)  # type: ignore[arg-type]
 
 
 def spacing(times: np.ndarray, kinds: np.ndarray | None) -> float:
