@@ -10,7 +10,7 @@ import pytest
 from cli_runs import run
 from scipy.integrate import solve_ivp
 
-from symosc import Belt, OtherModel, Scene, crosscheck, simulate
+from symosc import Belt, Oscillator, OtherModel, Scene, crosscheck, simulate
 from symosc.scenes import as_toml
 
 MODELS = {
@@ -93,6 +93,28 @@ def test_a_solver_of_the_models_own_equation_is_right() -> None:
     found = crosscheck(Scene("wall", model, 0, 0, 9, 1), solution)  # type: ignore[arg-type]
     assert found.ok, found.summary()
     assert any("t_events are left out" in note for note in found.notes)
+
+
+def test_events_of_a_solver_count_under_any_friction_law() -> None:
+    law = Oscillator(
+        m=1, c="0.1", k=1, B0="0.6", Omega="1.4", belts=[Belt(1, mu="0.7", mu_s="1.26")]
+    )
+
+    def rates(t: float, state: np.ndarray) -> list[float]:
+        x, v = state
+        return [v, 0.6 * np.cos(1.4 * t) - 0.1 * v - x + 0.7]
+
+    def contact(t: float, state: np.ndarray) -> float:
+        return float(state[1] - 1)
+
+    contact.terminal = True  # type: ignore[attr-defined]
+    solution = solve_ivp(
+        rates, (0, 9), (-1, 0), method="DOP853", rtol=1e-12, atol=1e-12, dense_output=True,
+        events=[contact],
+    )  # fmt: skip
+    found = crosscheck(law, solution)
+    assert found.ok, found.summary()
+    assert len(found.matched) == len(solution.t_events[0]) == 1
 
 
 def test_the_command_takes_the_file_of_a_model(tmp_path: Path) -> None:
