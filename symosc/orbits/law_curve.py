@@ -482,7 +482,7 @@ class LawCurve:
         points = [point]
         events = list[CurveEvent]()
         step = FIRST_STEP
-        bad = inf  # the arclength from the last point to one that was not found
+        has_failed = False  # whether a longer step from the last point found no orbit
         retried = 0
         first_extent = self.extent(point)
         examined = 0  # points whose section has been looked at, and twice if a step failed there
@@ -492,10 +492,10 @@ class LawCurve:
                 examined = len(points)
                 points[-1], changed = self.with_better_section(points)
                 if changed:
-                    bad = inf
+                    has_failed = False
                     step = max(step, FIRST_STEP / 10)
             point = points[-1]
-            trial = min(step, bad / 2)
+            trial = step
             final = self.at_end_of_range(point, trial)
             if final is not None:
                 events += self.events_between(point, final)
@@ -514,14 +514,13 @@ class LawCurve:
                     events += self.events_between(point, final)
                     return [*points, final], events, end
             if later is None:
-                bad = trial
+                has_failed = True
                 step = trial / 2
                 if trial > RESOLUTION:
                     continue
                 if retried < len(TRIED_AGAIN):
                     step = TRIED_AGAIN[retried]
                     retried += 1
-                    bad = inf
                     continue
                 return points, events, LawCurveEnd("lost", points[-1].value)
             if not self.low <= later.value <= self.high:
@@ -530,7 +529,7 @@ class LawCurve:
                     events += self.events_between(point, last)
                     points.append(last)
                     return points, events, LawCurveEnd("range", last.value)
-                bad = trial
+                has_failed = True
                 step = trial / 2
                 if trial <= RESOLUTION:
                     return points, events, LawCurveEnd("lost", point.value)
@@ -542,11 +541,13 @@ class LawCurve:
                 return [*points, later], events, LawCurveEnd("family", later.value)
             events += self.events_between(point, later)
             points.append(later)
-            bad -= trial
             retried = 0
-            if bad < RESOLUTION / 4:
-                bad = inf
-            step = min(trial * GROWTH, LONGEST_STEP)
+            if has_failed:
+                # Longer steps from here need not fail where one did from the point before.
+                has_failed = False
+                step = trial
+            else:
+                step = min(trial * GROWTH, LONGEST_STEP)
             if advance:
                 advance(abs(later.value - self.value) / (self.high - self.low), len(points))
             if self.extent(later) < SHRUNK * first_extent:

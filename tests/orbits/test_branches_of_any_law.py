@@ -191,6 +191,19 @@ def test_a_cycle_ends_in_circles_where_the_damping_of_its_band_vanishes() -> Non
     assert 0.8 * radius < (high - low) / 2 <= radius
 
 
+def test_steps_do_not_shrink_before_a_place_that_one_step_did_not_reach() -> None:
+    """Behind the fold a step fails because it is long; shorter ones go past that place."""
+    belts = [
+        Belt("-0.41", curve=[(0, "0.232"), ("0.5", "0.252"), ("1.25", "0.219")]),
+        Belt("0.19", mu="0.376", slope="0.072", mu_s="0.484"),
+    ]
+    law = Oscillator(m=1, c="0.032", k=1, B0="0.501", Omega="1.23", belts=belts)
+    branch = continue_orbit(law, None, "mu_s2", ("0.4", "0.9"), find_orbit(law), max_points=12)
+    assert [event.kind for event in branch.special] == ["fold"]
+    assert branch.special[0].value == pytest.approx(0.4931162466596, abs=1e-9)
+    assert branch.values[-1] < 0.4925
+
+
 @pytest.mark.slow
 def test_a_period_doubling_is_located_and_both_sides_are_orbits() -> None:
     branch = continue_orbit(driven("1"), "S1 B1", "mu_s1", ("0.9", "1.15"))

@@ -177,10 +177,10 @@ def _laws() -> Items:
         r"\begin{lemma}[a step in any band]\label{thm:certificates-growth} Let $\ddot{u} + "
         r"(c/m)\dot{u} + (k/m)u = r$ with $|r| \le D$, let $\gamma = e^{\max(-c, 0)\,h/m}$, and "
         r"$\ell = \min(h, m/c)$ if $c > 0$, else $\ell = \gamma h$. For times $s$ from 0 to $h$, "
-        r"with $u$ and $\dot{u}$ on the right at $s = 0$,\begin{enumerate}\item[(i)] $|u(s)| \le "
-        r"\gamma\,\bigl((u^2 + (m/k)\dot{u}^2)^{1/2} + h D (m/k)^{1/2}\bigr)$ for $k > 0$;"
-        r"\item[(ii)] $|u(s)| \le (|u| + \gamma h |\dot{u}| + h \ell D)/(1 - h \ell k/m)$ if the "
-        r"divisor is positive.\end{enumerate}\end{lemma}",
+        r"with $u$ and $\dot{u}$ on the right at $s = 0$,\begin{enumerate}\item[(i)] $|u(s)|$ is at "
+        r"most $\gamma$ times the sum of $(u^2 + (m/k)\dot{u}^2)^{1/2}$ and $h D (m/k)^{1/2}$, for "
+        r"$k > 0$;\item[(ii)] $|u(s)|$ is at most $|u| + \gamma h |\dot{u}| + h \ell D$, divided by "
+        r"$1 - h \ell k/m$, if this is positive.\end{enumerate}\end{lemma}",
         r"\begin{proof} (i) is the proof of Theorem~\ref{thm:friction_curves-bounds}~(ii), with "
         r"$D$ in place of $|a|\Omega^3$ and divided by $(k/m)^{1/2}$; there $2h_{-} = "
         r"\max(-c, 0)/m$. (ii) Let $M$ be the largest $|u|$ of these times. By",
@@ -190,8 +190,9 @@ def _laws() -> Items:
             exact({weighted: pushed}),
             "weighted",
         ),
-        r"(with $s$ for the time), $|\dot{u}(s)| \le e^{-cs/m}|\dot{u}| + \int_0^s "
-        r"e^{-c(s - \sigma)/m}\,d\sigma\,(D + kM/m) \le \gamma|\dot{u}| + \ell\,(D + kM/m)$. "
+        r"(with $s$ for the time), $|\dot{u}(s)|$ is at most the sum of $e^{-cs/m}|\dot{u}|$ and "
+        r"$\int_0^s e^{-c(s - \sigma)/m}\,d\sigma\,(D + kM/m)$, "
+        r"so at most $\gamma|\dot{u}| + \ell\,(D + kM/m)$. "
         r"So $M \le |u| + \gamma h|\dot{u}| + h\ell\,(D + kM/m)$; equality is reached at the "
         r"bound of (ii).",
         facts(equation(bound.subs(most, solved), solved, exact())),
