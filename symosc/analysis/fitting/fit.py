@@ -38,7 +38,7 @@ from symosc.base.exact import read_exact
 from symosc.base.quantities import NumberOfBelt, number_of_belt, read_number
 from symosc.engine.start import Start
 from symosc.model import Model, Oscillator
-from symosc.reductions import OtherModel, numbers_of, reduced_model, with_numbers
+from symosc.reductions import OtherModel, numbers_of, with_numbers
 from symosc.scenes import STARTS, Original, Scene, problem_of
 from symosc.simulation.simulate import read_problem
 from symosc.simulation.tables import counted
@@ -180,22 +180,10 @@ def fit(
         names = tuple(free)
     _check_names(scene, names, start or {})
     sigmas = _sigma(sigma)
-    timed = _with_own_times(scene)
-    measured = replace(read_measured(data, columns, timed), weighted=sigma is not None)
+    measured = replace(read_measured(data, columns, scene), weighted=sigma is not None)
     problem = _problem(scene, names, measured, sigmas, start or {})
     search = Search(problem, problem.first_values())
     return _fit_of(search, robust)
-
-
-def _with_own_times(scene: Scene | Model | OtherModel) -> Scene | Model:
-    """Return a problem whose start and end are times of the data: those of another model are
-    later than those of its oscillator.
-    """
-    if isinstance(scene, OtherModel):
-        return reduced_model(scene)
-    if isinstance(scene, Scene) and scene.original is not None:
-        return replace(scene.reduced(), t0=scene.original.t0, t_end=scene.original.t_end)
-    return scene
 
 
 def _check_names(
