@@ -145,7 +145,9 @@ def _loop(orbit: FollowedOrbit, digits: int) -> LoopInDigits:
     if not isinstance(exact, FollowedOrbit) or exact.labels != orbit.labels:
         raise NothingProposed(f"the orbit with {digits} digits has the word {exact.word}")
     loop = _beginning(exact, digits)
-    t, x, period = loop.t, loop.x, loop.period
+    t = loop.t
+    x = loop.x
+    period = loop.period
     steps = _steps(loop, fraction(t), fraction(x), digits)
     if any(step.kind == "graze" for step in steps):
         raise NothingProposed("an orbit that touches a belt")

@@ -644,7 +644,9 @@ def _border_of_law(
         if end not in branch.special:
             raise ParameterError("end", end.kind, "must be one of `branch.special`")
         at_end = int(np.abs(branch.values - end.value).argmin())
-        value, kind, inward = end.value, end.kind, 1.0
+        value = end.value
+        kind = end.kind
+        inward = 1.0
         t, x, v = end.start
         span = end.span
     else:
@@ -656,7 +658,8 @@ def _border_of_law(
             )
             raise ParameterError("end", end, allowed)
         at_end = -end
-        value, kind = float(branch.values[at_end]), reason.kind
+        value = float(branch.values[at_end])
+        kind = reason.kind
         middle = branch.values[len(branch.values) // 2]
         inward = float(np.sign(middle - reason.value)) or (1.0, -1.0)[end]
         t, x, v = branch._starts[at_end].tolist()

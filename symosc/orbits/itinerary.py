@@ -462,7 +462,8 @@ def _stick_end(
     law: LawInDoubles, leg: ItineraryLeg, here: PointOnWay, guess: float
 ) -> PointOnWay | None:
     """Return where a stick ends; None if the force does not reach the limit near."""
-    edge, side = leg.band, leg.edge
+    edge = leg.band
+    side = leg.edge
     V = law.speeds[edge]
     K, _ = law.band(edge)
     tau = guess

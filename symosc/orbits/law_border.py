@@ -80,6 +80,8 @@ FOUND = 1e-12
 #: Samples of a stick, and halvings between two of them, to an extremum of its force.
 SAMPLES = 64
 MOST_HALVINGS = 60
+#: A passage belongs to a leg that it is outside of by at most this part of the leg.
+WITHIN_LEG = 1e-9
 #: How many laws in doubles are kept.
 MOST_KEPT = 16
 
@@ -243,7 +245,8 @@ class LawBorderSystem(BorderSystem):
         """Return the time from the beginning of the first stick to the lowest margin of the force
         in it.
         """
-        edge, side = self.zero.edge, self.zero.side
+        edge = self.zero.edge
+        side = self.zero.side
         times = np.linspace(0.0, span, SAMPLES + 1)
         K, _ = law.band(edge)
         slopes = [law.holding_slope(edge, side, t + time) for time in times.tolist()]
@@ -253,7 +256,8 @@ class LawBorderSystem(BorderSystem):
         pull = side * K.w0sq * law.speeds[edge]
         lows = [law.holding(edge, side, t + times[n], 0.0) + pull * float(times[n]) for n in turns]
         n = turns[lows.index(min(lows))]
-        low, high = float(times[n]), float(times[n + 1])
+        low = float(times[n])
+        high = float(times[n + 1])
         for _ in range(MOST_HALVINGS):
             middle = (low + high) / 2
             if law.holding_slope(edge, side, t + middle) < 0.0:
@@ -344,7 +348,8 @@ class LawBorderSystem(BorderSystem):
         _, matrix = self._linearised((z * self.scale).tolist())
         matrix = matrix * self.scale
         count = len(matrix) - 1
-        own, closing = matrix[-1], matrix[:-1]
+        own = matrix[-1]
+        closing = matrix[:-1]
         columns = [
             linear.solve(closing[:, :count], closing[:, count + j]) for j in range(len(self.names))
         ]
@@ -388,7 +393,8 @@ class LawBorderSystem(BorderSystem):
         u[-2:] = values.tolist()
         law, followed = self.followed(u)
         itinerary, place = self.of_word(law, followed)
-        t, x = place.t, place.x
+        t = place.t
+        x = place.x
         model = self.plane.parameters(values)
         for _ in range(MOST_ITINERARIES):
             closed = self.closed(law, itinerary, t, x)
@@ -431,7 +437,8 @@ class LawBorderSystem(BorderSystem):
                 late, away = linear.solve(rows, -off).tolist()
             except ZeroDivisionError:
                 return None
-            t, x = t + late, x + away
+            t += late
+            x += away
             passage = itinerary.follow(law, t, x)
         if passage is None:
             return None
@@ -441,7 +448,8 @@ class LawBorderSystem(BorderSystem):
         """Return the itinerary of the orbit with the word of the border, from the middle of its
         longest flight, and where this begins in a motion along the border's itinerary.
         """
-        legs, spans = list(followed.legs), list(followed.spans)
+        legs = list(followed.legs)
+        spans = list(followed.spans)
         starts = list(followed.starts)
         if self.zero.kind == AT_TOUCH and legs[0].sticks:
             legs[-1] = legs[-1]._replace(end=LegEnd.EDGE)
@@ -650,7 +658,7 @@ class Loop:
         if after.sticks and after.edge == side:  # a stick of no length
             first = (first + 1) % count
             left_out = legs[0]
-            legs, spans = legs[1:], spans[1:]
+            del legs[0], spans[0]
         begun = self.begun(legs, spans, LawZero(kind, flight.edge, side), first)
         return begun._replace(left_out=left_out)
 
@@ -771,7 +779,10 @@ def place_on_section(
         passing = ItineraryLeg(leg.band, False, LegEnd.CLOSED, -1, section.upwards)
         guess = min(max(expected - start.t, 0.0), span)
         place = leg_end(law, passing, start, guess, speed)
-        if place is not None and -1e-9 * span <= place.t - start.t <= span * (1 + 1e-9):
+        if place is None:
+            continue
+        slack = WITHIN_LEG * span
+        if -slack <= place.t - start.t <= span + slack:
             places.append(place)
     return min(places, key=lambda place: abs(place.t - expected), default=None)
 
