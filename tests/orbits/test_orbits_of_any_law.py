@@ -170,6 +170,18 @@ def test_static_friction_keeps_the_period_of_the_drive(mu_s: str) -> None:
     assert (first.t - slip.t + period / 2) % period == pytest.approx(period / 2, abs=1e-9)
 
 
+def test_an_orbit_of_many_periods_closes_and_attracts() -> None:
+    belt = Belt("-0.5", mu="0.32", mu_s="0.8")
+    law = Oscillator(m="0.51", c="0.04", k="1.67", A0="0.19", B0="0.2", Omega="0.98", belts=[belt])
+    orbit = find_orbit(law, x0="1.58", v0="-0.31")
+    assert (orbit.periods, orbit.stable) == (45, True)
+    turn = 2 * pi / 0.98
+    motion = simulate(law, x0="1.58", v0="-0.31", t_end=2000 * turn, accuracy=inf)
+    last = motion(turn * np.array([2000, 1955, 1985]))
+    assert last[:, 0] == pytest.approx(last[:, 1], abs=1e-8)
+    assert abs(last[:, 0] - last[:, 2]).max() > 1e-3  # not 15 periods
+
+
 @pytest.mark.slow
 def test_chaos_is_named_with_its_exponent() -> None:
     with pytest.raises(ConvergenceError, match=r"chaotic, with the exponent 0\.0[12]"):
